@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+
+PYTHON ?= python3
+GHDL ?= ghdl
+# Debian's ghdl takes this back end when it is installed, else the one it finds.
+GHDL_BACKEND ?= llvm
+SEED ?= 1
+JOBS ?= 2
+export PYTHON GHDL GHDL_BACKEND
+export QUADSHADE_SEED := $(SEED)
+
+VENV := .venv/bin/python
+PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
+
+# Each unit with its default generics, and the whole core with one linear channel and depth.
+MAPPED_TESTS := (default and not raster_core) or (raster_core and depth_bits)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+.PHONY: help
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z_-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+.PHONY: setup
+setup: tools .venv/installed ## install what is missing: simulators (apt), a .venv with the pinned packages
+
+.PHONY: demo
+demo: setup ## draw the six spheres through the VHDL, check every pixel, write build/demo/*.png
+	@$(VENV) scripts/demo.py
+
+.PHONY: test
+test: setup ## run every test; T=name selects, SEED=n sets the seed, WAVES=1 keeps waveforms
+	@$(PYTEST) $(if $(T),-k '$(T)')
+
+.PHONY: lint
+lint: setup ## check style, file hygiene, generated files and that the RTL analyses and synthesises
+	@$(PYTEST) -q tests/test_lint.py
+
+.PHONY: throughput
+throughput: setup ## measure clocks per pixel in simulation, write docs/reports/throughput.md
+	@$(VENV) scripts/throughput.py
+
+.PHONY: hostspeed
+hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) scripts/hostspeed.py
+
+.PHONY: simspeed
+simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
+	@$(VENV) scripts/simspeed.py
+
+.PHONY: test-netlist
+test-netlist: export QUADSHADE_SIM := icarus
+test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
+	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
+	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
+	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
+
+.PHONY: formal
+formal: setup ## prove units and core over their netlists; writes docs/reports/formal.md; T=name
+	@$(VENV) scripts/formal.py --jobs $(JOBS) $(if $(T),--only '$(T)')
+
+.PHONY: readme
+readme: setup ## run the demo and write the README's picture and tables
+	@$(VENV) scripts/demo.py --publish
+	@$(VENV) scripts/readme.py
+
+.PHONY: rtl
+rtl: setup ## write rtl/quadshade_pkg.vhd from model/quadshade/formats.py
+	@$(VENV) scripts/generate_vhdl.py
+
+.PHONY: format
+format: setup ## format the Python files
+	@$(VENV) -m ruff check -q --fix . && $(VENV) -m ruff format -q .
+
+.PHONY: clean
+clean: ## remove everything that was built, but not the .venv
+	@rm -rf build .pytest_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
+
+.PHONY: tools
+tools: ## install what comes from the system (simulators, venv), through apt
+	@scripts/install_tools.sh
+
+.venv/installed: requirements.txt pyproject.toml | tools
+	@echo "setup: installing the pinned Python packages into .venv"
+	@$(PYTHON) -m venv .venv
+	@$(VENV) -m pip install -q --disable-pip-version-check -r requirements.txt
+	@$(VENV) -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+# --- synthesis: begin
+DEVICE ?=
+BOARD ?=
+SEEDS ?= 5
+GENERICS ?=
+GENERIC_OPTIONS := $(foreach generic,$(GENERICS),--generic $(generic))
+
+.PHONY: netlist
+netlist: setup ## write the core as one Verilog file below build/; GENERICS="stream_width=128 ..."
+	@$(VENV) scripts/netlist.py $(GENERIC_OPTIONS)
+
+.PHONY: synth
+synth: setup ## clock and area for a DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f; SEEDS=5 GENERICS="..."
+	@JOBS=$(JOBS) $(VENV) scripts/synth.py run $(if $(DEVICE),--device $(DEVICE)) $(if $(BOARD),--board $(BOARD)) \
+	  --seeds $(SEEDS) $(GENERIC_OPTIONS)
+
+.PHONY: limits
+limits: setup ## the core beside a lone accumulator on every device of the table; writes synth/resources.json
+	@JOBS=$(JOBS) $(VENV) scripts/synth.py limits --seeds $(SEEDS)
+	@$(VENV) scripts/synth.py readme
+
+.PHONY: synth-check
+synth-check: setup ## measure the table synth/resources.json again and compare (slow)
+	@JOBS=$(JOBS) $(VENV) scripts/synth.py check
+# --- synthesis: end

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``quadshade``."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from importlib import import_module, metadata
+from typing import Any
+
+import click
+
+from quadshade.cli.interrupts import INTERRUPTED, MESSAGE, leave_at_once
+from quadshade.errors import QuadshadeError
+
+BAD_INPUT = 2
+COMMANDS = ("render", "raster", "compare")
+"""Each is the function of this name in the module of this name, imported when it is needed."""
+
+
+class OneLineErrors(click.Group):
+    """A group of commands that says every error in one line on stderr and then exits with code 2."""
+
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        """Run a command; as click's own ``main`` but for what an error looks like."""
+        if not standalone_mode:
+            return super().main(*args, standalone_mode=False, **extra)
+        try:
+            with warnings.catch_warnings():
+                # What matters is an error; numpy's and Pillow's warnings would be further lines on stderr.
+                if not sys.warnoptions:
+                    warnings.simplefilter("ignore")
+                code = super().main(*args, standalone_mode=False, **extra)
+        except (click.Abort, KeyboardInterrupt):
+            click.echo(MESSAGE, err=True)
+            sys.exit(INTERRUPTED)
+        except (QuadshadeError, click.ClickException, OSError, MemoryError) as error:
+            click.echo(f"quadshade: error: {_one_line(error)}", err=True)
+            sys.exit(BAD_INPUT)
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names of the commands, in the order of the help."""
+        return list(COMMANDS)
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        """The command of a name; its module is imported here."""
+        if name not in COMMANDS:
+            return None
+        with leave_at_once():
+            return getattr(import_module(f"quadshade.cli.{name}"), name)
+
+
+def _one_line(error: BaseException) -> str:
+    """What is wrong, without line breaks."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        text = "no command is given; try 'quadshade --help'"
+    elif isinstance(error, click.ClickException):
+        text = error.format_message()
+        if isinstance(error, click.UsageError) and error.ctx is not None:
+            text = f"{text.rstrip('.')}; try '{error.ctx.command_path} --help'"
+    elif isinstance(error, MemoryError):
+        text = "not enough memory; draw a smaller scene or picture"
+    elif isinstance(error, OSError) and error.strerror:
+        text = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    else:
+        text = str(error)
+    return " ".join(text.split())
+
+
+def _version() -> str:
+    """Version of the installed package."""
+    try:
+        return metadata.version("quadshade")
+    except metadata.PackageNotFoundError:
+        return "unknown, not installed"
+
+
+@click.group(
+    cls=OneLineErrors, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
+)
+@click.version_option(_version(), prog_name="quadshade")
+def main() -> None:
+    """
+    Quadratic shading, from a mesh to a picture, through a golden model or the VHDL itself.
+
+    \b
+    quadshade render sphere:168 -o sphere.png
+    quadshade render teapot.obj -o teapot.png --engine ghdl --stats stats.json
+    quadshade raster triangles.json -o pixels.npz
+    quadshade compare quadratic.png phong.png
+    """

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``quadshade raster``: draw the triangles of a file, pixel by pixel in the engine's order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from quadshade.cli.options import (
+    GENERICS_EPILOG,
+    PATH,
+    check_writable,
+    engine_option,
+    generic_option,
+    parse_generics,
+    stats_option,
+    waves_option,
+    write_atomically,
+    write_json,
+)
+from quadshade.engine import default_engine, draw
+from quadshade.errors import QuadshadeError
+from quadshade.triangle_file import open_triangles
+from quadshade.triangles import Pixels
+
+STEPPINGS = ("centre", "fractional")
+
+
+def write_pixels(path: Path, pixels: Pixels) -> None:
+    """
+    Write pixels as npz: ``triangle``, ``x``, ``y``, ``value`` and, if there is one, ``depth``, all int32.
+    """
+    columns = {"triangle": pixels.triangle, "x": pixels.x, "y": pixels.y, "value": pixels.value}
+    if pixels.depth is not None:
+        columns["depth"] = pixels.depth
+
+    def write(temporary: Path) -> None:
+        with temporary.open("wb") as file:
+            np.savez(file, **{name: column.astype(np.int32) for name, column in columns.items()})
+
+    write_atomically(path, write)
+
+
+@click.command(epilog=GENERICS_EPILOG)
+@click.argument("triangles_path", metavar="TRIANGLES.json", type=PATH)
+@click.option("-o", "--output", required=True, type=PATH, help="Where the pixels go, e.g. pixels.npz.")
+@engine_option
+@click.option(
+    "--stepping",
+    type=click.Choice(STEPPINGS),
+    default="centre",
+    show_default=True,
+    help="Colour at pixel centres, or stepped along the fractional major edge as in the paper.",
+)
+@stats_option
+@waves_option
+@generic_option
+def raster(
+    triangles_path: Path,
+    output: Path,
+    engine: str | None,
+    stepping: str,
+    stats: Path | None,
+    waves: Path | None,
+    generics: tuple[str, ...],
+) -> None:
+    """Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them."""
+    engine = engine or default_engine()
+    check_writable(output, stats, waves, inputs=[triangles_path])
+    triangles, formats = open_triangles(triangles_path, parse_generics(generics))
+    try:
+        drawing = draw(triangles, formats, engine, waves=waves, fractional=stepping == "fractional")
+        write_pixels(output, drawing.pixels)
+    except MemoryError:
+        raise QuadshadeError(
+            f"{triangles_path}: {len(triangles)} triangles are too many for this machine's memory",
+            "split the file",
+        ) from None
+    if stats:
+        write_json(stats, drawing.stats)
+    click.echo(
+        f"{output}: {len(drawing.pixels)} pixels of {len(triangles)} triangles, "
+        f"{drawing.stats['clocks']} clocks ({engine})"
+    )

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Triangles to pixels: set-up on the host, then one of the engines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from quadshade.engine.ghdl import draw_ghdl
+from quadshade.engine.verilator import draw_verilator, verilator_available
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.golden.fast import EmittedPixels, draw_fast
+from quadshade.setup.packet import pack
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.triangles import Drawing, Pixels, ScreenTriangles
+
+ENGINES = ("model", "ghdl", "verilator")
+
+
+def default_engine() -> str:
+    """``verilator`` where its tools, a C++ compiler among them, and the RTL are at hand, else ``model``."""
+    return "verilator" if verilator_available() else "model"
+
+
+def draw_words(
+    words: np.ndarray, formats: Formats, engine: str = "model", waves: Path | None = None
+) -> EmittedPixels:
+    """
+    Draw a stream of set-up words.
+
+    Parameters
+    ----------
+    words : (m,) uint32
+      32-bit lanes, whole packets.
+    formats : Formats
+    engine : str
+      One of ``ENGINES``.
+    waves : Path, optional
+      GHW file to write; needs an engine that simulates VHDL.
+
+    Returns
+    -------
+    EmittedPixels
+
+    Raises
+    ------
+    QuadshadeError
+      Unknown engine, a stream that ends within a packet, a missing simulator, waves without one.
+    """
+    if engine == "ghdl":
+        return draw_ghdl(words, formats, waves)
+    if engine not in ENGINES:
+        raise QuadshadeError(f"there is no engine {engine!r}", f"the engines are {', '.join(ENGINES)}")
+    if waves is not None:
+        raise QuadshadeError(f"the engine {engine} has no waves", "use --engine ghdl")
+    if engine == "verilator":
+        return draw_verilator(words, formats)
+    return draw_fast(words, formats)
+
+
+def draw(
+    triangles: ScreenTriangles,
+    formats: Formats,
+    engine: str = "model",
+    waves: Path | None = None,
+    fractional: bool = False,
+) -> Drawing:
+    """
+    Set triangles up and draw them.
+
+    Parameters
+    ----------
+    triangles : ScreenTriangles
+    formats : Formats
+    engine : str
+      One of ``ENGINES``.
+    waves : Path, optional
+      GHW file to write; needs an engine that simulates VHDL.
+    fractional : bool
+      Step colour at the fractional edge, as in the loop of Abbas et al., section 5, not at pixel centres.
+
+    Returns
+    -------
+    Drawing
+
+    Raises
+    ------
+    QuadshadeError
+      A triangle out of range, or what :func:`draw_words` raises.
+    """
+    primitives = setup_triangles(triangles, formats, fractional=fractional)
+    words = pack(primitives, formats)
+    emitted = draw_words(words, formats, engine, waves)
+    triangle = primitives.triangle[emitted.packet].astype(np.int32)
+    colours = formats.num_channels
+    stats = {
+        "engine": engine,
+        "clocks": emitted.clocks,
+        "pixels": len(triangle),
+        "triangles": len(triangles),
+        "triangles_drawn": len(np.unique(primitives.triangle)),
+        "packets": len(primitives),
+        "words": len(words),
+        "clocks_per_pixel": emitted.clocks / len(triangle) if len(triangle) else 0.0,
+        "generics": formats.generics(),
+    }
+    depth = emitted.value[:, colours] if formats.with_depth and triangles.depth is not None else None
+    return Drawing(Pixels(triangle, emitted.x, emitted.y, emitted.value[:, :colours], depth), stats)

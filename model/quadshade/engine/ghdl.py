@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The RTL in GHDL, through ``sim/raster_core_tb.vhd``: beats in a file, pixels out of a file."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.golden.fast import EmittedPixels
+
+TESTBENCH = "raster_core_tb"
+
+
+def repository_root() -> Path:
+    """
+    The checkout that holds ``rtl`` and ``sim``.
+
+    Raises
+    ------
+    QuadshadeError
+      The package was installed without its repository.
+    """
+    root = Path(os.environ.get("QUADSHADE_ROOT", Path(__file__).resolve().parents[3]))
+    if not (root / "rtl" / "files.f").is_file():
+        raise QuadshadeError(f"no rtl/files.f below {root}", "set QUADSHADE_ROOT to a checkout of Quadshade")
+    return root
+
+
+def rtl_files(root: Path) -> list[Path]:
+    """Every RTL file, bottom-up, from ``rtl/files.f``."""
+    lines = (root / "rtl" / "files.f").read_text().splitlines()
+    return [root / line.strip() for line in lines if line.strip() and not line.startswith("#")]
+
+
+def run_tool(command: list[str], cwd: Path) -> str:
+    """
+    Run a simulator's command and return what it printed.
+
+    Raises
+    ------
+    QuadshadeError
+      The tool is missing, or fails; with the first line it printed that names an error.
+    """
+    try:
+        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise QuadshadeError(
+            f"{command[0]} is not installed", "run `make setup`, or use --engine model"
+        ) from None
+    printed = done.stdout + done.stderr
+    if done.returncode != 0:
+        lines = [line for line in printed.splitlines() if "error" in line.lower() or "failure" in line] or [
+            printed.strip()
+        ]
+        raise QuadshadeError(f"{Path(command[0]).name} failed: {lines[0]}")
+    return printed
+
+
+def analyse(root: Path) -> Path:
+    """Analyse RTL and test bench once for each state of the sources; returns the work library's folder."""
+    ghdl = os.environ.get("GHDL", "ghdl")
+    sources = [*rtl_files(root), root / "sim" / f"{TESTBENCH}.vhd"]
+    digest = hashlib.sha256(f"{ghdl} {os.environ.get('GHDL_BACKEND', '')}".encode())
+    for source in sources:
+        digest.update(source.read_bytes())
+    library = root / "build" / "ghdl" / digest.hexdigest()[:16]
+    if not library.is_dir():
+        library.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=library.parent) as scratch:
+            work = Path(scratch) / "work"
+            work.mkdir()
+            run_tool([ghdl, "-a", "--std=08", f"--workdir={work}", *map(str, sources)], work)
+            try:
+                work.rename(library)
+            except OSError:
+                # Another process was first with the same sources.
+                if not library.is_dir():
+                    raise
+    return library
+
+
+def write_beats(words: np.ndarray, formats: Formats, path: Path) -> None:
+    """Beats as hexadecimal lines, the first lane rightmost."""
+    beats = words.astype(np.uint32).reshape(-1, formats.stream_lanes)[:, ::-1]
+    row = "%08x" * formats.stream_lanes
+    path.write_text("".join(f"{row % tuple(beat)}\n" for beat in beats.tolist()))
+
+
+def read_pixels(path: Path, formats: Formats) -> EmittedPixels:
+    """Pixels and clocks from what the test bench wrote."""
+    lines = path.read_text().splitlines()
+    if not lines or not lines[-1].startswith("clocks "):
+        raise QuadshadeError("the simulation ended before the core was idle", f"see {path}")
+    rows = np.array(
+        [[int(field, 16) for field in line.split()] for line in lines[:-1]], dtype=object
+    ).reshape(-1, 5)
+    last, y, x, depth = (rows[:, column].astype(np.int64) for column in range(4))
+    packet = np.concatenate([[0], np.cumsum(last)])[: len(last)]
+    mask = (1 << formats.value_bits) - 1
+    value = [(rows[:, 4] >> (formats.value_bits * channel)) & mask for channel in range(formats.num_channels)]
+    value += [depth] * formats.with_depth
+    values = np.stack([column.astype(np.int64) for column in value], axis=1)
+    clocks = int(lines[-1].split()[1])
+    return EmittedPixels(
+        packet.astype(np.int32),
+        x.astype(np.int32),
+        y.astype(np.int32),
+        values.astype(np.int32),
+        clocks,
+        int(last.sum()),
+    )
+
+
+def draw_ghdl(
+    words: np.ndarray, formats: Formats, waves: Path | None = None, stall_period: int = 0
+) -> EmittedPixels:
+    """
+    Draw a stream of set-up words with the RTL.
+
+    Parameters
+    ----------
+    words : (m,) uint32
+      32-bit lanes, whole packets, each of which draws at least one pixel on its last scanline: the packet
+      of a pixel is counted by the core's flag of a primitive's last pixel.
+    formats : Formats
+    waves : Path, optional
+      GHW file to write.
+    stall_period : int
+      The sink is not ready in every n-th clock; 0: always ready.
+
+    Returns
+    -------
+    EmittedPixels
+
+    Raises
+    ------
+    QuadshadeError
+      GHDL is missing or fails.
+    """
+    root = repository_root()
+    library = analyse(root)
+    with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
+        folder = Path(scratch)
+        write_beats(words, formats, folder / "beats.txt")
+        generics = formats.generics() | {
+            "beats_file": folder / "beats.txt",
+            "pixels_file": folder / "pixels.txt",
+        }
+        generics["stall_period"] = stall_period
+        command = [os.environ.get("GHDL", "ghdl"), "--elab-run", "--std=08", f"--workdir={library}"]
+        command += [TESTBENCH]
+        command += [f"-g{name}={value}" for name, value in generics.items()]
+        command += ["--ieee-asserts=disable"]
+        if waves is not None:
+            command += [f"--wave={folder / 'waves.ghw'}"]
+        run_tool(command, folder)
+        if waves is not None:
+            try:
+                shutil.move(folder / "waves.ghw", waves)
+            except OSError as problem:
+                raise QuadshadeError(f"cannot write {waves}: {problem.strerror}") from None
+        return read_pixels(folder / "pixels.txt", formats)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+The core as one Verilog netlist, by GHDL's synthesis: what Verilator, Icarus, Yosys and sby read.
+
+GHDL 2.0 writes a constant wider than 32 bits as a Verilog string of its digits, which every reader takes for
+ASCII. Such strings become sized binary constants here, and a netlist in which a quote remains is refused.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import tempfile
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+from quadshade.engine.ghdl import repository_root, rtl_files, run_tool
+from quadshade.errors import QuadshadeError
+
+TOP = "raster_core"
+
+
+def repair_constants(verilog: str) -> str:
+    """
+    Verilog with its constants that are strings of digits as sized binary constants.
+
+    Parameters
+    ----------
+    verilog : str
+      What ``ghdl --synth --out=verilog`` printed.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    QuadshadeError
+      A quote that is not around such a constant.
+    """
+    repaired = re.sub(r'"([01xzXZ]+)"', lambda match: f"{len(match[1])}'b{match[1]}", verilog)
+    for number, line in enumerate(repaired.splitlines(), start=1):
+        if '"' in line:
+            raise QuadshadeError(
+                f"line {number} of the netlist has a quote that is not a constant's: {line.strip()[:80]}",
+                "write the VHDL of that signal so that GHDL's synthesis needs no string",
+            )
+    return repaired
+
+
+@cache
+def _version(ghdl: str) -> str:
+    return run_tool([ghdl, "--version"], Path.cwd())
+
+
+def write_netlist(
+    generics: Mapping[str, int | str], top: str = TOP, more: Sequence[Path] = (), root: Path | None = None
+) -> Path:
+    """
+    Synthesise an entity into one checked Verilog file, once for each state of the sources.
+
+    Parameters
+    ----------
+    generics : mapping of str to int or str
+      Generics of the entity, under their VHDL names; what is left out has its default.
+    top : str
+      The entity, from ``rtl/files.f`` or ``more``.
+    more : sequence of Path
+      VHDL files to analyse after those of ``rtl/files.f``.
+    root : Path, optional
+      Checkout of Quadshade; the one that holds this package if left out.
+
+    Returns
+    -------
+    Path
+      ``build/netlist/<hash>/<top>.v``; its module has the entity's name, and its hash is that of everything
+      that it was made of.
+
+    Raises
+    ------
+    QuadshadeError
+      GHDL is missing or fails, warnings included, or the netlist cannot be repaired.
+    """
+    root = root or repository_root()
+    ghdl = os.environ.get("GHDL", "ghdl")
+    sources = [*rtl_files(root), *more]
+    settings = [f"-g{name}={value}" for name, value in generics.items()]
+    digest = hashlib.sha256("\n".join([_version(ghdl), top, *settings]).encode())
+    for source in (Path(__file__), *sources):
+        digest.update(source.read_bytes())
+    netlist = root / "build" / "netlist" / digest.hexdigest()[:16] / f"{top}.v"
+    if not netlist.is_file():
+        netlist.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=netlist.parent) as scratch:
+            command = [ghdl, "--synth", "--std=08", f"--workdir={scratch}", "-Werror", "--no-formal"]
+            command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
+            verilog = repair_constants(run_tool(command, Path(scratch)))
+            temporary = Path(scratch) / netlist.name
+            temporary.write_text(verilog)
+            temporary.replace(netlist)
+    return netlist

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The core's netlist in Verilator, through ``sim/verilator``: millions of clocks a second."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from quadshade.engine.fold import fold
+from quadshade.engine.ghdl import repository_root, run_tool
+from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.golden.fast import EmittedPixels
+
+MACROS = ("stream_width", "num_channels", "value_bits")
+"""Generics that the C++ harness takes as macros, in capitals; other widths it has from the ports' types."""
+
+VERILATOR_OPTIONS = (
+    *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
+    # GHDL writes initial values with `<=`; nothing else drives at time 0.
+    "-Wno-INITIALDLY",
+    # Bits of one vector that depend on each other in a row, where fold leaves them: no loop, only slower.
+    "-Wno-UNOPTFLAT",
+)
+
+MAKE_FLAGS = "OPT_FAST=-O2 OPT_GLOBAL=-O1 OPT_SLOW=-O0"
+"""Only what runs every clock is worth the compiler's time."""
+
+
+def _ghdl() -> str:
+    return os.environ.get("GHDL", "ghdl")
+
+
+def _verilator() -> str:
+    return os.environ.get("VERILATOR", "verilator")
+
+
+def _compiler() -> str:
+    return os.environ.get("CXX", "g++")
+
+
+def missing_tools() -> list[str]:
+    """Programs that this engine needs and that are not installed."""
+    return [tool for tool in (_ghdl(), _verilator(), _compiler(), "make") if shutil.which(tool) is None]
+
+
+def verilator_available() -> bool:
+    """Whether this engine can draw here: its programs are installed, and the RTL is at hand."""
+    try:
+        repository_root()
+    except QuadshadeError:
+        return False
+    return not missing_tools()
+
+
+@cache
+def _version(tool: str) -> str:
+    return run_tool([tool, "--version"], Path.cwd())
+
+
+def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
+    """
+    Compile the simulation of the core with some generics, once for each netlist, harness and tool.
+
+    Parameters
+    ----------
+    formats : Formats
+    kept : Path, optional
+      Folder of the programs; ``build/verilator`` of the checkout if left out.
+
+    Returns
+    -------
+    Path
+      The program ``<hash>/raster_core`` in that folder; its arguments stand in the harness.
+
+    Raises
+    ------
+    QuadshadeError
+      A tool is missing or fails.
+    """
+    if tools := missing_tools():
+        raise QuadshadeError(f"{tools[0]} is not installed", "run `make setup`, or use --engine model")
+    root = repository_root()
+    harness = root / "sim" / "verilator" / f"{TOP}_main.cpp"
+    netlist = fold(write_netlist(formats.generics(), root=root).read_text())
+    generics = formats.generics()
+    macros = " ".join(f"-D{name.upper()}={generics[name]}" for name in MACROS)
+    command = [_verilator(), *VERILATOR_OPTIONS, "--top-module", TOP, "-o", TOP, "-CFLAGS", macros]
+    command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
+    digest = hashlib.sha256("\n".join([*command, _version(_verilator()), _version(_compiler())]).encode())
+    for source in (netlist.encode(), harness.read_bytes()):
+        digest.update(source)
+    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / TOP
+    if program.is_file():
+        return program
+    program.parent.mkdir(parents=True, exist_ok=True)
+    with open(program.with_suffix(".lock"), "w") as lock:
+        # A second process waits for the first one's program instead of compiling it as well.
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not program.is_file():
+            if sys.stderr.isatty():
+                print("compiling the core for Verilator, once for these generics ...", file=sys.stderr)
+            with tempfile.TemporaryDirectory(dir=program.parent) as scratch:
+                folder = Path(scratch)
+                verilog = folder / f"{TOP}.v"
+                verilog.write_text(netlist)
+                run_tool([*command, "--Mdir", scratch, str(verilog), str(harness)], folder)
+                (folder / TOP).replace(program)
+    return program
+
+
+def record_type(formats: Formats) -> np.dtype:
+    """What the harness writes for a pixel: its ``struct Record``."""
+    value = ("value", np.uint16, (formats.num_channels,))
+    return np.dtype(
+        [("x", np.uint16), ("y", np.uint16), ("depth", np.uint32), value, ("last", np.uint16)], align=True
+    )
+
+
+def read_records(path: Path, formats: Formats, clocks: int) -> EmittedPixels:
+    """Pixels from the file that the harness wrote."""
+    records = np.fromfile(path, dtype=record_type(formats))
+    last = records["last"].astype(np.int32)
+    value = np.empty((len(records), formats.carried_channels), np.int32)
+    value[:, : formats.num_channels] = records["value"]
+    if formats.with_depth:
+        value[:, -1] = records["depth"].astype(np.int32)
+    ended = np.cumsum(last, dtype=np.int32)
+    x, y = records["x"].astype(np.int32), records["y"].astype(np.int32)
+    return EmittedPixels(ended - last, x, y, value, clocks, int(last.sum()))
+
+
+def draw_verilator(words: np.ndarray, formats: Formats, stall_period: int = 0) -> EmittedPixels:
+    """
+    Draw a stream of set-up words with the core's netlist.
+
+    Parameters
+    ----------
+    words : (m,) uint32
+      32-bit lanes, whole packets, each of which draws at least one pixel on its last scanline: the packet
+      of a pixel is counted by the core's flag of a primitive's last pixel.
+    formats : Formats
+    stall_period : int
+      The sink is not ready in every n-th clock; 0: always ready.
+
+    Returns
+    -------
+    EmittedPixels
+
+    Raises
+    ------
+    QuadshadeError
+      A tool is missing or fails.
+    """
+    try:
+        return _draw(build_verilator(formats), words, formats, stall_period)
+    except OSError as problem:
+        raise QuadshadeError(f"Verilator's files: {problem}", "use --engine model") from None
+
+
+def _draw(program: Path, words: np.ndarray, formats: Formats, stall_period: int) -> EmittedPixels:
+    with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
+        folder = Path(scratch)
+        beats, pixels = folder / "beats.bin", folder / "pixels.bin"
+        np.ascontiguousarray(words, dtype=np.uint32).tofile(beats)
+        printed = run_tool([str(program), str(beats), str(pixels), str(stall_period)], folder)
+        report = dict(line.split() for line in printed.splitlines())
+        return read_records(pixels, formats, int(report["clocks"]))

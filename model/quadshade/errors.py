@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one error family of Quadshade: what is wrong, and what to do, in one line."""
+
+from __future__ import annotations
+
+
+class QuadshadeError(Exception):
+    """
+    Bad input or a missing tool; the command line prints it as one line and exits with code 2.
+
+    Parameters
+    ----------
+    message : str
+      What is wrong, with the value that was got.
+    hint : str
+      What the user can do about it; appended to the message.
+    """
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(f"{message}; {hint}" if hint else message)
+        self.message = message
+        self.hint = hint

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Clock prediction: the control registers of the RTL, cycle by cycle, without the data.
+
+Stream always valid, sink ready but for one clock in ``stall_period``. Every name is that of
+the RTL signal it stands for.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from quadshade.formats import Formats
+
+WALK_STAGES = 7
+"""Generic ``walk_stages`` of ``rtl/edge_walker.vhd``."""
+
+EMPTY = -1
+"""A stage that holds nothing."""
+
+
+@numba.njit(cache=True)
+def _count_clocks(
+    beats: np.ndarray,
+    first_rows: np.ndarray,
+    row_pixels: np.ndarray,
+    words_beat: int,
+    span_depth: int,
+    stall_period: int,
+) -> int:
+    """Cycles from the first beat accepted to the last pixel out, both included; 0 where none comes out."""
+    packets = len(beats)
+    remaining_pixels = row_pixels.sum()
+    if remaining_pixels == 0:
+        return 0
+    # setup_loader
+    packet = 0
+    beat = 0
+    full = False
+    # edge_walker
+    valid_0 = False
+    first_0 = False
+    first_1 = False
+    row = 0
+    end_row = 0
+    taken = 0
+    # A ring of stages 1 .. WALK_STAGES - 1; an entry is the span's pixels, EMPTY where there is none.
+    stages = np.full(WALK_STAGES, EMPTY, np.int64)
+    head = 0
+    held = np.full(span_depth, EMPTY, np.int64)
+    in_chain = 0
+    left = 0  # pixels of the span in the span walker, the one shown included
+    clamped = False
+    # skid_buffer
+    front = False
+    spare = False
+    cycle = 0
+    while True:
+        cycle += 1
+        # What the sink sees in this cycle.
+        pixel_ready = stall_period == 0 or cycle % stall_period != 0
+        if front and pixel_ready:
+            remaining_pixels -= 1
+            if remaining_pixels == 0:
+                return cycle
+        # Combinational.
+        wanted = left <= 1
+        advance = not spare
+        chain_moves = wanted and advance
+        span_taken = chain_moves and held[span_depth - 1] != EMPTY
+        chain_ready = chain_moves or in_chain < span_depth
+        last_stage = stages[(head + WALK_STAGES - 1) % WALK_STAGES]
+        walk = chain_ready or last_stage <= 0
+        last_0 = valid_0 and row == end_row - 1
+        take = walk and full and (not valid_0 or last_0) and not first_0 and not first_1
+        ready = packet < packets and not full and not (beat >= words_beat and first_0)
+
+        # Clock edge, downstream first.
+        if not front or pixel_ready:
+            front = clamped or spare
+            spare = False
+        elif clamped:
+            spare = True
+        if advance:
+            clamped = left > 0
+            if span_taken:
+                left = held[span_depth - 1]
+                held[span_depth - 1] = EMPTY
+                in_chain -= 1
+            elif left > 0:
+                left -= 1
+        moves = chain_moves
+        for index in range(span_depth - 1, -1, -1):
+            moves = moves or held[index] == EMPTY
+            if moves and index > 0:
+                held[index] = held[index - 1]
+                held[index - 1] = EMPTY
+        if walk:
+            if last_stage > 0:
+                held[0] = last_stage
+                in_chain += 1
+            # The ring turns: the last stage's place becomes stage 0's, stage 0 moves to 1 with its span.
+            head = (head + WALK_STAGES - 1) % WALK_STAGES
+            stages[(head + 1) % WALK_STAGES] = row_pixels[row] if valid_0 else EMPTY
+            stages[head] = EMPTY
+            first_1 = first_0
+            first_0 = take
+            if take:
+                valid_0 = True
+                row = first_rows[taken]
+                end_row = first_rows[taken + 1]
+                taken += 1
+                full = False
+            elif last_0:
+                valid_0 = False
+            elif valid_0:
+                row += 1
+        if ready:
+            beat += 1
+            if beat == beats[packet]:
+                beat = 0
+                packet += 1
+                full = True
+
+
+def count_clocks(
+    beats: np.ndarray, first_rows: np.ndarray, row_pixels: np.ndarray, formats: Formats, stall_period: int = 0
+) -> int:
+    """
+    Clocks that the core takes: first set-up word accepted to last pixel out, both included.
+
+    Parameters
+    ----------
+    beats : (n,) int64
+      Beats of each packet.
+    first_rows : (n + 1,) int64
+      Index of each packet's first scanline in ``row_pixels``; the last entry is their number.
+    row_pixels : (r,) int64
+      Pixels of every scanline, empty ones included.
+    formats : Formats
+    stall_period : int
+      The sink is not ready in every n-th clock, counted from the first beat; 0: always ready.
+
+    Returns
+    -------
+    int
+      0 where no pixel comes out.
+    """
+    return int(
+        _count_clocks(
+            beats, first_rows, row_pixels, formats.section_beats("edge") - 1, formats.span_depth, stall_period
+        )
+    )

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Framebuffer, PNG files and picture comparison."""
+
+from quadshade.image.compare import Comparison, compare, write_heatmap
+from quadshade.image.framebuffer import paint, resolve, visible
+from quadshade.image.png import read_picture, write_png
+
+__all__ = [
+    "Comparison",
+    "compare",
+    "paint",
+    "read_picture",
+    "resolve",
+    "visible",
+    "write_heatmap",
+    "write_png",
+]

@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the scene to the screen: viewport, clipping, rounding to sub-pixels, culling and depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.scene.camera import Camera
+from quadshade.scene.clip import clip_triangles
+from quadshade.scene.mesh import Mesh
+
+NEAREST = 1e-3
+"""A fitted near plane is never nearer than this share of the scene's farthest point."""
+
+# A vertex's coordinates before the viewport: x w, y w, w (1 in an orthographic view), distance to the viewer.
+ACROSS, DOWN, DIVISOR, DISTANCE, COORDINATES = range(5)
+CUT = 1 << 15
+"""A vertex's flag: beyond the near plane or the guard band. Bit p: beyond plane p of the screen."""
+
+
+@dataclass(frozen=True)
+class Projected:
+    """
+    Visible triangles on the screen, with what shading needs of the scene.
+
+    Attributes
+    ----------
+    width, height : int
+      Pixels.
+    vertices : (n, 3, 2) int64
+      Sub-pixels, y down, rounded to nearest, ties to even.
+    depth : (n, 3) float64
+      0 (near) .. 2**depth_bits - 1 (far), linear on the screen.
+    position, normal : (n, 3, 3) float64
+      In the scene; normals are not unit length where a triangle was clipped, and face the viewer's side of
+      triangles that are seen from behind.
+    colour : (n, 3, 3) float64 or None
+      The mesh's own corner colours.
+    weight : (n, 3) float64
+      Attribute * weight is linear on the screen: 1 / distance in perspective, else 1.
+    source : (n,) int64
+      The mesh's face.
+    eye : (3,) float64 or None
+      Viewer's position; None for an orthographic view.
+    axes : (3, 3) float64
+      The viewer's right, up and backward.
+    """
+
+    width: int
+    height: int
+    vertices: np.ndarray
+    depth: np.ndarray
+    position: np.ndarray
+    normal: np.ndarray
+    colour: np.ndarray | None
+    weight: np.ndarray
+    source: np.ndarray
+    eye: np.ndarray | None
+    axes: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+    def ordered(self, order: np.ndarray) -> Projected:
+        """The same triangles in another order, or a part of them: (m,) int indices or (n,) bool."""
+        names = ("vertices", "depth", "position", "normal", "colour", "weight", "source")
+        parts = {name: None if getattr(self, name) is None else getattr(self, name)[order] for name in names}
+        return replace(self, **parts)
+
+    def back_to_front(self) -> Projected:
+        """The same triangles, farthest centre first: painter's order for a core without depth."""
+        return self.ordered(np.argsort(-self.depth.sum(axis=1), kind="stable"))
+
+
+def check_size(width: int, height: int, formats: Formats) -> None:
+    """Raise :class:`QuadshadeError` for a screen that the core cannot address."""
+    limit = 1 << formats.coord_bits
+    if not (1 <= width <= limit and 1 <= height <= limit):
+        raise QuadshadeError(
+            f"the size is {width}x{height}", f"give 1x1 to {limit}x{limit} (generic coord_bits)"
+        )
+
+
+def project(
+    mesh: Mesh, camera: Camera, width: int, height: int, formats: Formats | None = None, cull: bool = True
+) -> Projected:
+    """
+    The mesh as the camera sees it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    camera : Camera
+    width, height : int
+      Pixels, 1 .. 2**coord_bits.
+    formats : Formats, optional
+      Sub-pixel bits, depth bits and the guard band; by default the core's defaults.
+    cull : bool
+      Drop triangles seen from behind (clockwise on the screen). Kept, they are lit from the viewer's side.
+
+    Returns
+    -------
+    Projected
+      In the order of the mesh's faces. What is wholly off the screen or has no area is left out.
+
+    Raises
+    ------
+    QuadshadeError
+      A size out of range.
+    """
+    formats = Formats() if formats is None else formats
+    check_size(width, height, formats)
+    view = _View(camera, width, height)
+    coordinates = _place(mesh.vertices, view.eye, view.rows, view.perspective)
+    near, far = _depth_range(camera, coordinates[mesh.used, DISTANCE])
+    scale = 2.0**formats.subpixel_bits
+    # One sub-pixel inside the guard band, so that rounding cannot leave it.
+    band = (np.array(formats.guard_band) + (1, -1)) / scale
+    cutters = view.planes(np.stack([band, band], axis=1), near)
+    sides = _sides(coordinates, view.planes(np.array([[0, 0], [width, height]]), near), cutters)
+    vertices = _rounded(coordinates, sides, view.middle, scale)
+    # Most triangles need no clipping and many are culled: nothing is gathered for those.
+    source, crossing = _seen(mesh.faces, sides, vertices, cull)
+    full = 2.0**formats.depth_bits - 1
+    view_depth = near, far, view.perspective, full
+    parts = _gather(
+        source, mesh.faces, vertices, coordinates, view_depth, mesh.vertices, mesh.normals, mesh.colours
+    )
+    if len(crossing):
+        pieces, cut_from = clip_triangles(_attributes(mesh, coordinates, crossing), cutters)
+        # The pieces are a mesh of their own, in which every corner is a vertex.
+        flat = pieces.reshape(-1, pieces.shape[2])
+        faces = np.arange(len(flat)).reshape(-1, 3)
+        sides = np.zeros(len(flat), np.uint16)
+        vertices = _rounded(flat, sides, view.middle, scale)
+        kept, _ = _seen(faces, sides, vertices, cull)
+        colours = None if mesh.colours is None else pieces[..., 10:13]
+        more = _gather(kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], colours)
+        source = np.concatenate([source, crossing[cut_from[kept]]])
+        order = np.argsort(source, kind="stable")
+        source = source[order]
+        parts = [
+            None if one is None else np.concatenate([one, two])[order]
+            for one, two in zip(parts, more, strict=True)
+        ]
+    eye = view.eye if view.perspective else None
+    return Projected(width, height, *parts, source, eye, camera.axes)
+
+
+def doubled_area(vertices: np.ndarray) -> np.ndarray:
+    """(n,) int64 doubled areas of (n, 3, 2) integer triangles; positive where they turn clockwise, y down."""
+    first, second = vertices[:, 1] - vertices[:, 0], vertices[:, 2] - vertices[:, 0]
+    return first[:, 0] * second[:, 1] - second[:, 0] * first[:, 1]
+
+
+class _View:
+    """Camera and viewport: the affine map from the scene to (x w, y w, w, distance) in pixels."""
+
+    def __init__(self, camera: Camera, width: int, height: int) -> None:
+        right, up, back = camera.axes
+        self.perspective = camera.ortho is None
+        half = min(width, height) / 2
+        scale = half / np.tan(np.radians(camera.fov / 2)) if self.perspective else half / camera.ortho
+        self.middle = np.array([width, height]) / 2
+        self.rows = np.stack([scale * right, -scale * up, np.zeros(3), -back])
+        self.eye = np.asarray(camera.eye, dtype=np.float64)
+
+    def planes(self, bounds: np.ndarray, near: float) -> np.ndarray:
+        """(5, 5) planes over the coordinates: near, then the sides of bounds (2, 2), low and high x, y."""
+        planes = np.zeros((5, 5))
+        planes[0, 3:] = 1, -near
+        for axis in range(2):
+            low, high = bounds[:, axis] - self.middle[axis]
+            planes[1 + 2 * axis, [axis, 2]] = 1, -low
+            planes[2 + 2 * axis, [axis, 2]] = -1, high
+        return planes
+
+
+def _depth_range(camera: Camera, distance: np.ndarray) -> tuple[float, float]:
+    """Near and far distance: the camera's near, or what the scene's vertices at these distances need."""
+    far = float(distance.max())
+    if camera.near is not None:
+        return camera.near, far
+    nearest = float(distance.min())
+    if camera.ortho is None:
+        return max(nearest, NEAREST * far, 1e-30), far
+    return nearest, far
+
+
+def _attributes(mesh: Mesh, coordinates: np.ndarray, source: np.ndarray) -> np.ndarray:
+    """(n, 3, 10 or 13) float64: coordinates, position, normal and, where the mesh has any, colour."""
+    faces = mesh.faces[source]
+    parts = [coordinates[faces], mesh.vertices[faces], mesh.normals[source]]
+    return np.concatenate(parts if mesh.colours is None else [*parts, mesh.colours[source]], axis=-1)
+
+
+@njit(cache=True)
+def _place(points, eye, rows, perspective):
+    """(m, 4) float64 coordinates of (m, 3) points, to the last bit the same for the same point."""
+    out = np.empty((len(points), COORDINATES))
+    for vertex in range(len(points)):
+        x, y, z = points[vertex, 0] - eye[0], points[vertex, 1] - eye[1], points[vertex, 2] - eye[2]
+        for index in range(COORDINATES):
+            out[vertex, index] = x * rows[index, 0] + y * rows[index, 1] + z * rows[index, 2]
+        out[vertex, DIVISOR] = out[vertex, DISTANCE] if perspective else 1.0
+    return out
+
+
+@njit(cache=True)
+def _beyond(coordinates, plane):
+    """Whether a vertex is on the outer side of a plane; added up as in :func:`clip.plane_distance`."""
+    total = plane[COORDINATES]
+    for index in range(COORDINATES):
+        total += coordinates[index] * plane[index]
+    return total < 0
+
+
+@njit(cache=True)
+def _sides(coordinates, borders, cutters):
+    """(m,) uint16 flags: bit p beyond border p; ``CUT`` beyond any cutter."""
+    out = np.zeros(len(coordinates), np.uint16)
+    for vertex in range(len(coordinates)):
+        for index in range(len(borders)):
+            if _beyond(coordinates[vertex], borders[index]):
+                out[vertex] |= 1 << index
+        for index in range(len(cutters)):
+            if _beyond(coordinates[vertex], cutters[index]):
+                out[vertex] |= CUT
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _rounded(coordinates, sides, middle, scale):
+    """(m, 2) int64 sub-pixels, y down, ties to even; zero for vertices beyond a cutter."""
+    out = np.zeros((len(coordinates), 2), np.int64)
+    for vertex in range(len(coordinates)):
+        if not sides[vertex] & CUT:
+            for axis in range(2):
+                place = middle[axis] + coordinates[vertex, axis] / coordinates[vertex, DIVISOR]
+                out[vertex, axis] = np.int64(np.rint(place * scale))
+    return out
+
+
+@njit(cache=True)
+def _facing(face, vertices):
+    """Positive for a triangle that turns counter-clockwise on the screen, 0 without area (an integer)."""
+    x, y = vertices[face[0], 0], vertices[face[0], 1]
+    x2, y2 = vertices[face[1], 0] - x, vertices[face[1], 1] - y
+    x3, y3 = vertices[face[2], 0] - x, vertices[face[2], 1] - y
+    return x3 * y2 - x2 * y3
+
+
+@njit(cache=True)
+def _seen(faces, sides, vertices, cull):
+    """Faces to draw that no cutter touches, and those that one crosses: two (k,) int64, ascending."""
+    whole, crossing = np.empty(len(faces), np.int64), np.empty(len(faces), np.int64)
+    wholes = crossings = 0
+    for index in range(len(faces)):
+        face = faces[index]
+        one, two, three = sides[face[0]], sides[face[1]], sides[face[2]]
+        if one & two & three & (CUT - 1):
+            continue
+        if (one | two | three) & CUT:
+            crossing[crossings] = index
+            crossings += 1
+        else:
+            facing = _facing(face, vertices)
+            if facing > 0 or (facing < 0 and not cull):
+                whole[wholes] = index
+                wholes += 1
+    return whole[:wholes].copy(), crossing[:crossings].copy()
+
+
+def _gather(
+    chosen: np.ndarray,
+    faces: np.ndarray,
+    vertices: np.ndarray,
+    coordinates: np.ndarray,
+    view_depth: tuple[float, float, bool, float],
+    position: np.ndarray,
+    normal: np.ndarray,
+    colour: np.ndarray | None,
+) -> tuple[np.ndarray | None, ...]:
+    """``Projected``'s vertices, depth, position, normal, colour and weight of (k,) chosen faces."""
+    count = len(chosen)
+    out = (
+        np.empty((count, 3, 2), np.int64),
+        np.empty((count, 3)),
+        np.empty((count, 3, 3)),
+        np.empty((count, 3, 3)),
+    )
+    weight = np.empty((count, 3))
+    _fill(chosen, faces, vertices, coordinates, *view_depth, position, normal, *out, weight)
+    return *out, None if colour is None else colour[chosen], weight
+
+
+@njit(cache=True, error_model="numpy")
+def _fill(
+    chosen, faces, vertices, coordinates, near, far, perspective, full, position, normal,
+    out_vertices, out_depth, out_position, out_normal, out_weight,
+):  # fmt: skip
+    """The arrays of :func:`_gather`; depth is linear on the screen, ``full`` at ``far``."""
+    for row in range(len(chosen)):
+        face = faces[chosen[row]]
+        back = _facing(face, vertices) < 0
+        for corner in range(3):
+            vertex = face[corner]
+            distance = coordinates[vertex, DISTANCE]
+            if not far > near:
+                share = 0.0
+            elif perspective:
+                share = (1 / near - 1 / distance) / (1 / near - 1 / far)
+            else:
+                share = (distance - near) / (far - near)
+            out_depth[row, corner] = min(max(share, 0.0), 1.0) * full
+            out_weight[row, corner] = 1 / coordinates[vertex, DIVISOR]
+            out_vertices[row, corner, 0] = vertices[vertex, 0]
+            out_vertices[row, corner, 1] = vertices[vertex, 1]
+            for axis in range(3):
+                part = normal[chosen[row], corner, axis]
+                out_position[row, corner, axis] = position[vertex, axis]
+                out_normal[row, corner, axis] = -part if back else part

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Primitives (what one set-up packet says) and their packing into the words of the set-up stream."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import EDGES, LANE_BITS, PLANES_OF_ORDER, Formats
+
+BLOCK = 4096
+"""Packets written at a time: field by field, they stay in the cache."""
+
+
+@dataclass
+class Primitives:
+    """
+    What the hardware draws: rows of pixels between a major and a minor edge, one entry a packet.
+
+    A triangle inside the screen is one primitive; one that crosses the screen's border is cut at whole
+    scanlines into several. All arrays hold exact integers (int64), raw words two's complement.
+
+    Attributes
+    ----------
+    triangle : (n,) int64
+      Index of the triangle that the primitive draws a part of.
+    header : dict of (n,) int64
+      ``y``, ``rows_first``, ``rows_second`` (true counts: at least 1; ``rows_second`` 0 where there is no
+      second edge), ``has_second``, ``mirror``, ``fractional``.
+    edges : dict of dict of (n,) int64
+      ``major``, ``minor``, ``second``, each with ``column``, ``error``, ``step``, ``increment``,
+      ``decrement``.
+    orders : (n, c) int64
+      0 constant, 1 linear, 2 quadratic for every carried channel (depth last).
+    words : (n, c, 6) int64
+      Planes in the order of ``formats.PLANES``; planes above a channel's order are zero.
+    bound : (n, c) float64
+      Upper bound of |value - exact quadratic| at any covered pixel before output rounding, in output units.
+    """
+
+    triangle: np.ndarray
+    header: dict[str, np.ndarray]
+    edges: dict[str, dict[str, np.ndarray]]
+    orders: np.ndarray
+    words: np.ndarray
+    bound: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __len__(self) -> int:
+        return len(self.triangle)
+
+
+def _field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndarray:
+    """Raw value of a packet field for every primitive."""
+    if name == "orders":
+        shifts = 2 * np.arange(formats.carried_channels)
+        return (primitives.orders.astype(np.int64) << shifts).sum(axis=1)
+    if name in ("rows_first", "rows_second"):
+        return primitives.header[name] - 2
+    edge, _, part = name.partition("_")
+    if edge in EDGES and part in primitives.edges[edge]:
+        return primitives.edges[edge][part]
+    return primitives.header[name]
+
+
+@njit(cache=True)
+def _put_field(out, at, rows, raw, offset, width):
+    """Write the raw values of one bit field into the zeroed packets of some rows, from lanes ``at`` on."""
+    lane, shift = offset // LANE_BITS, np.uint64(offset % LANE_BITS)
+    mask = np.uint64((1 << width) - 1)
+    lanes = (offset % LANE_BITS + width + LANE_BITS - 1) // LANE_BITS
+    for row in rows:
+        value = np.uint64(raw[row]) & mask
+        place = at[row] + lane
+        out[place] |= np.uint32(value << shift)
+        if lanes > 1:
+            out[place + 1] |= np.uint32(value >> (np.uint64(LANE_BITS) - shift))
+        if lanes > 2:
+            out[place + 2] |= np.uint32(value >> (np.uint64(2 * LANE_BITS) - shift))
+
+
+@njit(cache=True)
+def _put_planes(out, at, rows, words, levels, groups, planes_of_order, plane_lanes, word_lanes, mask):
+    """Write the channel words of some rows behind their sections; ``groups`` is each group's end channel."""
+    for row in rows:
+        lane, first = at[row], 0
+        for group in range(len(groups)):
+            for plane in range(planes_of_order[levels[row, group]]):
+                for channel in range(first, groups[group]):
+                    raw = np.uint64(words[row, channel, plane]) & mask
+                    for part in range(word_lanes):
+                        place = lane + (channel - first) * word_lanes + part
+                        out[place] = np.uint32(raw >> np.uint64(LANE_BITS * part))
+                lane += plane_lanes
+            first = groups[group]
+
+
+def group_orders(orders: np.ndarray, formats: Formats) -> np.ndarray:
+    """(n, groups) highest order of each channel group: how many of its planes are sent."""
+    return np.stack([orders[:, list(group)].max(axis=1) for group in formats.channel_groups], axis=1)
+
+
+def packet_lanes(orders: np.ndarray, has_second: np.ndarray, formats: Formats) -> np.ndarray:
+    """(n,) lanes (32-bit words) that each primitive's packet takes, padding included."""
+    planes = np.array(PLANES_OF_ORDER)[group_orders(orders, formats)].sum(axis=1)
+    beats = (
+        formats.section_beats("edge")
+        + has_second * formats.section_beats("second")
+        + planes * formats.plane_beats
+    )
+    return beats * formats.stream_lanes
+
+
+def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
+    """
+    The words of the set-up stream.
+
+    Parameters
+    ----------
+    primitives : Primitives
+    formats : Formats
+
+    Returns
+    -------
+    (m,) uint32
+      32-bit lanes in stream order; a beat of ``stream_width`` bits holds ``stream_lanes`` of them, the first
+      lane lowest.
+
+    Raises
+    ------
+    QuadshadeError
+      A channel's order is above what the core is built for.
+    """
+    if len(primitives) == 0:
+        return np.zeros(0, dtype=np.uint32)
+    if (primitives.orders > np.array(formats.channel_max_order)).any():
+        raise QuadshadeError(
+            "a channel's order is above the core's generic max_order", "raise max_order or lower it"
+        )
+    lengths = packet_lanes(primitives.orders, primitives.header["has_second"], formats)
+    ends = np.cumsum(lengths)
+    out = np.zeros(ends[-1], dtype=np.uint32)
+    levels = group_orders(primitives.orders, formats)
+    group_ends = np.array([group[-1] + 1 for group in formats.channel_groups])
+    planes_of_order = np.array(PLANES_OF_ORDER)
+    plane_lanes = formats.plane_beats * formats.stream_lanes
+    mask = np.uint64((1 << formats.word_width) - 1)
+    sections = [
+        (
+            formats.section_beats(section) * formats.stream_lanes,
+            [
+                (_field_values(primitives, name, formats), *place)
+                for name, place in formats.section(section).items()
+            ],
+        )
+        for section in ("edge", "second")
+    ]
+    at = ends - lengths
+    for start in range(0, len(primitives), BLOCK):
+        rows = np.arange(start, min(start + BLOCK, len(primitives)))
+        present = rows
+        for lanes, placed in sections:
+            for raw, offset, width in placed:
+                _put_field(out, at, present, raw, offset, width)
+            at[present] += lanes
+            present = rows[primitives.header["has_second"][rows] != 0]
+        _put_planes(
+            out, at, rows, primitives.words, levels, group_ends, planes_of_order, plane_lanes,
+            formats.word_lanes, mask,
+        )  # fmt: skip
+    return out

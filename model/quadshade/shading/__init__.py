@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights, materials, six-point sampling and the float references."""
+
+from quadshade.shading.lights import (
+    DEFAULT_LIGHTS,
+    AmbientLight,
+    DirectionalLight,
+    Light,
+    PointLight,
+    default_lights,
+    parse_light,
+)
+from quadshade.shading.material import Material, load_reflectance, parse_material
+from quadshade.shading.sample import SHADING_ORDERS, sample
+
+__all__ = [
+    "DEFAULT_LIGHTS",
+    "SHADING_ORDERS",
+    "AmbientLight",
+    "DirectionalLight",
+    "Light",
+    "Material",
+    "PointLight",
+    "default_lights",
+    "load_reflectance",
+    "parse_light",
+    "parse_material",
+    "sample",
+]

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Float references over the engine's exact coverage: what a picture would be without rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from quadshade.formats import LINEAR, QUADRATIC, Formats
+from quadshade.scene.project import Projected, doubled_area
+from quadshade.shading.lights import Light, default_lights
+from quadshade.shading.material import Material
+from quadshade.shading.sample import full_scale, reflected
+from quadshade.triangles import ScreenTriangles
+
+CHUNK = 1 << 16
+
+
+def barycentric(
+    vertices: np.ndarray, triangle: np.ndarray, x: np.ndarray, y: np.ndarray, subpixel_bits: int
+) -> np.ndarray:
+    """
+    Where the centres of pixels lie in their triangles.
+
+    Parameters
+    ----------
+    vertices : (n, 3, 2) int64
+      Sub-pixels.
+    triangle, x, y : (m,) int
+      Pixels and the triangle that each belongs to.
+    subpixel_bits : int
+
+    Returns
+    -------
+    (m, 3) float64
+      Weights of the three vertices, correctly rounded quotients of exact integers; their sum is 1.
+    """
+    corners = 2 * vertices[triangle]
+    centre = np.stack([2 * x.astype(np.int64) + 1, 2 * y.astype(np.int64) + 1], axis=-1) << subpixel_bits
+    area = doubled_area(corners)
+    second = doubled_area(np.stack([corners[:, 0], centre, corners[:, 2]], axis=1)) / area
+    third = doubled_area(np.stack([corners[:, 0], corners[:, 1], centre], axis=1)) / area
+    return np.stack([1 - second - third, second, third], axis=-1)
+
+
+def interpolated(
+    triangles: ScreenTriangles,
+    triangle: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
+    formats: Formats | None = None,
+) -> np.ndarray:
+    """
+    Flat, Gouraud and quadratic shading in float: the polynomial through the samples, at pixel centres.
+
+    Written with the six shape functions of a quadratic triangle, not with the set-up's coefficients.
+
+    Parameters
+    ----------
+    triangles : ScreenTriangles
+    triangle, x, y : (m,) int
+      Pixels, for example of an engine's drawing.
+    formats : Formats, optional
+      Gives the sub-pixel bits and the largest value.
+
+    Returns
+    -------
+    (m, channels) float64
+      In output units, clamped to what the output holds, not rounded.
+    """
+    formats = Formats() if formats is None else formats
+    values = np.empty((len(triangle), len(triangles.channels)))
+    for rows in _chunks(len(triangle)):
+        owner = triangle[rows]
+        weights = barycentric(triangles.vertices, owner, x[rows], y[rows], formats.subpixel_bits)
+        first, second, third = weights.T
+        flat = np.zeros((len(owner), 6))
+        flat[:, 0] = 1
+        linear = np.zeros((len(owner), 6))
+        linear[:, :3] = weights
+        quadratic = np.concatenate(
+            [
+                weights * (2 * weights - 1),
+                np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1),
+            ],
+            axis=-1,
+        )
+        for channel in range(values.shape[1]):
+            order = triangles.orders[owner, channel][:, None]
+            shape = np.where(order == QUADRATIC, quadratic, np.where(order == LINEAR, linear, flat))
+            values[rows, channel] = (shape * triangles.samples[owner, channel]).sum(axis=-1)
+    return np.clip(values, 0, 2.0**formats.value_bits - 1)
+
+
+def phong(
+    projected: Projected,
+    triangle: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+    formats: Formats | None = None,
+) -> np.ndarray:
+    """
+    Phong shading: normals interpolated with perspective and normalised at every pixel.
+
+    Parameters
+    ----------
+    projected : Projected
+    triangle, x, y : (m,) int
+      Pixels; ``triangle`` is an index into ``projected``.
+    lights : sequence of lights, optional
+      By default those that go with the viewer.
+    material : Material, optional
+    formats : Formats, optional
+
+    Returns
+    -------
+    (m, 3) float64
+      In output units, clamped to what the output holds, not rounded.
+    """
+    formats = Formats() if formats is None else formats
+    material = Material() if material is None else material
+    lights = default_lights(projected.axes) if lights is None else lights
+    values = np.empty((len(triangle), 3))
+    for rows in _chunks(len(triangle)):
+        weights = barycentric(projected.vertices, triangle[rows], x[rows], y[rows], formats.subpixel_bits)
+        light = reflected(projected, triangle[rows], weights[:, None, :], lights, material)
+        values[rows] = full_scale(light[:, 0], formats)
+    return values
+
+
+def _chunks(count: int) -> list[slice]:
+    """Slices that keep the memory of intermediate arrays bounded."""
+    return [slice(start, start + CHUNK) for start in range(0, count, CHUNK)]

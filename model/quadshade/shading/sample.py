@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The colours at six points of every triangle, from which the hardware interpolates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
+from quadshade.scene.project import Projected
+from quadshade.shading.lights import Light, default_lights
+from quadshade.shading.material import Material
+from quadshade.triangles import ScreenTriangles
+
+SHADING_ORDERS = {"flat": CONSTANT, "gouraud": LINEAR, "quadratic": QUADRATIC}
+CHANNELS = ("r", "g", "b")
+
+SAMPLE_POINTS = np.array(
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]], dtype=np.float64
+)
+"""Where I1, I2, I3, I12, I13, I23 are taken, in barycentric coordinates of the screen."""
+
+CENTRE = np.full((1, 3), 1 / 3)
+CHUNK = 2048
+"""Triangles shaded at a time: what lies between the steps stays in the cache."""
+
+
+def sample(
+    projected: Projected,
+    shading: str = "quadratic",
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+    formats: Formats | None = None,
+) -> ScreenTriangles:
+    """
+    Shade each triangle at the points that its order needs (Abbas et al., section 3).
+
+    Parameters
+    ----------
+    projected : Projected
+    shading : str
+      ``flat`` (the centre), ``gouraud`` (the vertices) or ``quadratic`` (vertices and middles of the edges).
+    lights : sequence of lights, optional
+      By default those that go with the viewer.
+    material : Material, optional
+    formats : Formats, optional
+      Gives the largest value and whether there is a depth channel.
+
+    Returns
+    -------
+    ScreenTriangles
+      Channels r, g, b; intensities clamped to 0 .. 2**value_bits - 1.
+
+    Raises
+    ------
+    QuadshadeError
+      An unknown shading, or a user's reflectance that fails.
+    """
+    formats = Formats() if formats is None else formats
+    material = Material() if material is None else material
+    lights = default_lights(projected.axes) if lights is None else lights
+    if shading not in SHADING_ORDERS:
+        raise QuadshadeError(f"the shading is {shading!r}", f"give one of {', '.join(SHADING_ORDERS)}")
+    order = SHADING_ORDERS[shading]
+    points = CENTRE if order == CONSTANT else SAMPLE_POINTS[: 3 if order == LINEAR else 6]
+    count = len(projected)
+    samples = np.zeros((count, len(CHANNELS), len(SAMPLE_POINTS)))
+    for start in range(0, count, CHUNK):
+        rows = slice(start, start + CHUNK)
+        light = reflected(projected, np.arange(count)[rows], points, lights, material)
+        samples[rows, :, : len(points)] = full_scale(light, formats).transpose(0, 2, 1)
+    return ScreenTriangles(
+        projected.width,
+        projected.height,
+        projected.vertices,
+        samples,
+        np.full((count, len(CHANNELS)), order, dtype=np.int64),
+        projected.depth if formats.with_depth else None,
+        CHANNELS,
+    )
+
+
+def full_scale(light: np.ndarray, formats: Formats) -> np.ndarray:
+    """Intensities of 0 .. 1 in output units, clamped to what the output holds."""
+    return np.clip(light, 0, 1) * (2.0**formats.value_bits - 1)
+
+
+def reflected(
+    projected: Projected,
+    triangle: np.ndarray,
+    barycentric: np.ndarray,
+    lights: Sequence[Light],
+    material: Material,
+) -> np.ndarray:
+    """
+    Light reflected at points of triangles, with interpolated and normalised normals.
+
+    Parameters
+    ----------
+    projected : Projected
+    triangle : (m,) int
+    barycentric : (k, 3) float, the same points for every triangle, or (m, k, 3) float
+      On the screen; positions and normals are interpolated with perspective.
+    lights : sequence of lights
+    material : Material
+
+    Returns
+    -------
+    (m, k, 3) float64
+      1 is full intensity; not clamped.
+    """
+    places = np.broadcast_to(barycentric, (len(triangle), *barycentric.shape[-2:]))
+    share = _shares(places, projected.weight, triangle)
+
+    def at_points(corners: np.ndarray) -> np.ndarray:
+        return _interpolate(corners, triangle, share)
+
+    point = at_points(projected.position)
+    normal = unit(at_points(projected.normal))
+    base = None if projected.colour is None else at_points(projected.colour)
+    to_viewer = projected.axes[2] if projected.eye is None else unit(projected.eye - point)
+    return material.reflect(lights, point, normal, to_viewer, base).reshape(share.shape)
+
+
+@njit(cache=True, error_model="numpy")
+def unit(vectors):
+    """(m, 3) vectors at unit length; zero stays zero."""
+    out = np.empty_like(vectors)
+    for index in range(len(vectors)):
+        x, y, z = vectors[index, 0], vectors[index, 1], vectors[index, 2]
+        # Added up in this order, colours are to the last bit what they always were.
+        length = np.sqrt(x * x + z * z + y * y)
+        length = length if length > 0 else 1.0
+        out[index, 0], out[index, 1], out[index, 2] = x / length, y / length, z / length
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _shares(places, weight, triangle):
+    """(m, k, 3) shares of the corners, in the scene, at (m, k, 3) places on the screen."""
+    out = np.empty(places.shape)
+    for index in range(len(triangle)):
+        weights = weight[triangle[index]]
+        for place in range(places.shape[1]):
+            here = places[index, place]
+            one, two, three = here[0] * weights[0], here[1] * weights[1], here[2] * weights[2]
+            total = one + two + three
+            out[index, place, 0], out[index, place, 1], out[index, place, 2] = (
+                one / total,
+                two / total,
+                three / total,
+            )
+    return out
+
+
+@njit(cache=True)
+def _interpolate(corners, triangle, share):
+    """(m * k, 3) float64: what corners (n, 3, 3) carry, at shares (m, k, 3) of triangles (m,)."""
+    points = share.shape[1]
+    out = np.empty((len(triangle) * points, 3))
+    for index in range(len(triangle)):
+        corner = corners[triangle[index]]
+        for point in range(points):
+            part = share[index, point]
+            for axis in range(3):
+                out[index * points + point, axis] = (
+                    part[0] * corner[0, axis] + part[1] * corner[1, axis] + part[2] * corner[2, axis]
+                )
+    return out

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+From a netlist to clock and area: Yosys once, nextpnr once for each seed.
+
+Area is counted on the netlist alone; the clock is that of the netlist in its harness (``harness.py``).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from joblib import Parallel, delayed
+
+from quadshade.engine.ghdl import repository_root
+from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.synthesis.devices import Device
+from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
+from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz
+
+YOSYS = "pyosys"
+"""Native Yosys as a Python module; the WebAssembly one ends without a word in the middle of mapping the core."""
+
+RUN_SCRIPT = "import sys; from pyosys import libyosys as y; y.run_pass('script ' + sys.argv[1], y.Design())"
+
+
+@dataclass(frozen=True)
+class Placed:
+    """
+    One run of nextpnr.
+
+    Attributes
+    ----------
+    seed : int
+    fmax_mhz : float
+    path : CriticalPath
+      The register-to-register path that limits the clock.
+    """
+
+    seed: int
+    fmax_mhz: float
+    path: CriticalPath
+
+
+@dataclass(frozen=True)
+class Implementation:
+    """
+    A netlist on a device.
+
+    Attributes
+    ----------
+    device : str
+    area : Area
+      Of the netlist alone.
+    runs : tuple of Placed
+      By seed.
+    """
+
+    device: str
+    area: Area
+    runs: tuple[Placed, ...]
+
+    @property
+    def fmax_mhz(self) -> float:
+        """Median over the seeds."""
+        return statistics.median(run.fmax_mhz for run in self.runs)
+
+    @property
+    def typical(self) -> Placed:
+        """The run at the median, the slower one of the middle two."""
+        return sorted(self.runs, key=lambda run: run.fmax_mhz)[(len(self.runs) - 1) // 2]
+
+
+def find_tool(command: str) -> str:
+    """
+    Where a tool of the PyPI packages is: beside this Python, or on the path.
+
+    Raises
+    ------
+    QuadshadeError
+      It is nowhere.
+    """
+    beside = Path(sys.executable).parent / command
+    found = str(beside) if beside.is_file() else shutil.which(command)
+    if found is None:
+        raise QuadshadeError(f"{command} is not installed", "run `make setup`")
+    return found
+
+
+def run_tool(command: Sequence[str | Path], folder: Path) -> str:
+    """
+    Run a tool and return what it printed.
+
+    Raises
+    ------
+    QuadshadeError
+      It fails; with the first line that names an error.
+    """
+    done = subprocess.run(
+        [find_tool(str(command[0])), *map(str, command[1:])],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    printed = done.stdout + done.stderr
+    if done.returncode != 0:
+        lines = [line for line in printed.splitlines() if re.search(r"error", line, re.IGNORECASE)]
+        reason = (lines or printed.strip().splitlines()[-1:] or [f"exit code {done.returncode}"])[0]
+        raise QuadshadeError(f"{command[0]} failed: {reason.strip()}")
+    return printed
+
+
+def run_yosys(commands: Sequence[str], folder: Path) -> None:
+    """
+    Run a list of Yosys commands, in a process of its own; they stay there as ``script.ys``.
+
+    Raises
+    ------
+    QuadshadeError
+      pyosys is not installed, or a command fails.
+    """
+    tool_version(YOSYS)
+    (folder / "script.ys").write_text("\n".join(commands) + "\n")
+    run_tool([sys.executable, "-c", RUN_SCRIPT, "script.ys"], folder)
+
+
+@cache
+def tool_version(package: str) -> str:
+    """
+    Version of a tool's Python package.
+
+    Raises
+    ------
+    QuadshadeError
+      It is not installed.
+    """
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        raise QuadshadeError(f"{package} is not installed", "run `make setup`") from None
+
+
+def once(folder: Path, name: str, make: Callable[[Path], None]) -> Path:
+    """
+    A folder that is made once, beside its final place, and then moved there.
+
+    Parameters
+    ----------
+    folder : Path
+      Where such folders are kept.
+    name : str
+      Hash of everything that the contents depend on.
+    make : function of a Path
+      Fills the folder that it is given.
+    """
+    final = folder / name
+    if not final.is_dir():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            made = Path(scratch) / "made"
+            made.mkdir()
+            make(made)
+            try:
+                made.rename(final)
+            except OSError:
+                # Another process was first.
+                if not final.is_dir():
+                    raise
+    return final
+
+
+def _hash(*parts: str) -> str:
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
+
+
+CHECKED = ("proc", "select -assert-none t:$dlatch t:$adlatch t:$dlatchsr", "check -assert")
+"""What a netlist must pass: no latch, no loop, no second driver, nothing undriven."""
+
+
+LANES = "channel_lane*"
+"""Modules that are mapped each by itself: in one piece, logic shared between them would be far from both."""
+
+
+def mapping_commands(device: Device, top: str) -> list[str]:
+    """
+    Yosys commands that map a design to a device's cells, lane by lane, then make it flat and check it.
+
+    Parameters
+    ----------
+    device : Device
+    top : str
+      The module on top.
+    """
+    return [
+        f"hierarchy -check -top {top}",
+        f"setattr -mod -set keep_hierarchy 1 {LANES}",
+        f"{device.yosys} -top {top} -run begin:check",
+        f"setattr -mod -unset keep_hierarchy {LANES}",
+        "flatten",
+        "clean",
+        "autoname",
+        "delete t:$scopeinfo",
+        "check -mapped -assert",
+        "blackbox =A:whitebox",
+    ]
+
+
+def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
+    """
+    A netlist mapped to a device's cells, alone and in its harness.
+
+    Parameters
+    ----------
+    netlist : Path
+      From :func:`quadshade.engine.netlist.write_netlist`.
+    top : str
+      Its module.
+    device : Device
+    root : Path
+      Checkout of Quadshade.
+
+    Returns
+    -------
+    Path
+      Folder with ``stat.json`` (the netlist alone) and ``harness.json`` (for nextpnr).
+
+    Raises
+    ------
+    QuadshadeError
+      The netlist has a latch or is otherwise not sound, or Yosys fails.
+    """
+    verilog = netlist.read_text()
+    harness = write_harness(module_ports(verilog, top), top)
+    parts = "".join(path.read_text() for path in sorted((root / "synth" / "harness").glob("*.v")))
+    alone = [f"read_verilog {netlist.name}", f"hierarchy -check -top {top}", *CHECKED]
+    alone += [*mapping_commands(device, top), f"tee -q -o stat.json stat -json -top {top}"]
+    whole = [f"read_verilog {netlist.name} parts.v harness.v", *mapping_commands(device, HARNESS)]
+    whole += ["write_json harness.json"]
+
+    def make(folder: Path) -> None:
+        (folder / netlist.name).write_text(verilog)
+        (folder / "parts.v").write_text(parts)
+        (folder / "harness.v").write_text(harness)
+        for commands in (alone, whole):
+            run_yosys(commands, folder)
+
+    name = _hash(verilog, harness, parts, *alone, *whole, tool_version(YOSYS))
+    return once(root / "build" / "synth" / "mapped", name, make)
+
+
+def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
+    """
+    Place and route a mapped netlist once.
+
+    Parameters
+    ----------
+    mapped : Path
+      From :func:`map_netlist`.
+    device : Device
+    seed : int
+    root : Path
+      Checkout of Quadshade.
+
+    Raises
+    ------
+    QuadshadeError
+      The netlist does not fit, or nextpnr fails otherwise.
+    """
+    command = [
+        *device.nextpnr,
+        "--seed",
+        str(seed),
+        "--freq",
+        str(device.aim_mhz),
+        "--timing-allow-fail",
+        "-q",
+    ]
+
+    def make(folder: Path) -> None:
+        files = ["--json", mapped / "harness.json", "--report", "report.json", "--log", "nextpnr.log"]
+        run_tool([*command, *files], folder)
+
+    name = _hash(mapped.name, *command, tool_version(command[0]))
+    folder = once(root / "build" / "synth" / "placed", name, make)
+    report = json.loads((folder / "report.json").read_text())
+    cells = json.loads((mapped / "harness.json").read_text())["modules"][HARNESS]
+    return Placed(seed, fmax_mhz(report), critical_path(report, cells))
+
+
+def implement(
+    generics: Mapping[str, int | str],
+    device: Device,
+    seeds: Sequence[int],
+    top: str = TOP,
+    more: Sequence[Path] = (),
+    jobs: int | None = None,
+    progress: Callable[[Placed], None] | None = None,
+) -> Implementation:
+    """
+    Synthesise, place and route an entity.
+
+    Parameters
+    ----------
+    generics : mapping of str to int or str
+      Generics of the entity; what is left out has its default.
+    device : Device
+    seeds : sequence of int
+      Of nextpnr; each is one run.
+    top : str
+      The entity, from ``rtl/files.f`` or ``more``.
+    more : sequence of Path
+      VHDL files to analyse after those of ``rtl/files.f``.
+    jobs : int, optional
+      Runs at the same time; the environment's ``JOBS``, or 2, if left out.
+    progress : function of a Placed, optional
+      Called after each run, in the order in which they end.
+
+    Raises
+    ------
+    QuadshadeError
+      A tool is missing or fails, or the entity does not fit on the device.
+    """
+    root = repository_root()
+    mapped = map_netlist(write_netlist(generics, top, more), top, device, root)
+    area = area_from_stat(json.loads((mapped / "stat.json").read_text()))
+    workers = Parallel(
+        n_jobs=jobs or int(os.environ.get("JOBS") or 2), return_as="generator_unordered", prefer="threads"
+    )
+    runs = []
+    for run in workers(delayed(place)(mapped, device, seed, root) for seed in seeds):
+        runs.append(run)
+        if progress is not None:
+            progress(run)
+    return Implementation(device.name, area, tuple(sorted(runs, key=lambda run: run.seed)))
+
+
+def as_dict(result: Implementation) -> dict:
+    """An implementation as what JSON can hold."""
+    return asdict(result) | {"fmax_mhz": result.fmax_mhz}

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Netlists to simulate: GHDL's own, or the cells of a device family with Yosys' models of them."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+
+from quadshade.engine.ghdl import repository_root
+from quadshade.engine.netlist import write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.synthesis.devices import find_device
+from quadshade.synthesis.flow import YOSYS, mapping_commands, once, run_yosys, tool_version
+
+GENERIC = "ghdl"
+FAMILIES = {"ice40": "ice40-hx8k", "ecp5": "ecp5-25k-6"}
+"""Device that a family's cells are mapped for."""
+
+KINDS = (GENERIC, *FAMILIES)
+
+
+def cell_models(family: str) -> str:
+    """
+    Yosys' Verilog models of a family's cells, in one text that Icarus 11 reads without options.
+
+    Raises
+    ------
+    QuadshadeError
+      pyosys is not installed.
+    """
+    tool_version(YOSYS)
+    (package,) = find_spec(YOSYS).submodule_search_locations
+    folder = Path(package) / "share" / family
+    text = (folder / "cells_sim.v").read_text()
+    # Default values of ports, and cells under older names: Icarus does not take either.
+    defines = "`define NO_ICE40_DEFAULT_ASSIGNMENTS 1\n`define NO_INCLUDES 1\n"
+    text = re.sub(
+        r'`include "(common_sim|ccu2c_sim)\.vh"', lambda at: (folder / f"{at[1]}.vh").read_text(), text
+    )
+    return defines + "".join(line for line in text.splitlines(keepends=True) if "$error(" not in line)
+
+
+def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Path]:
+    """
+    Verilog that stands for an entity in a simulation.
+
+    Parameters
+    ----------
+    kind : str
+      One of ``KINDS``.
+    unit : str
+      Entity of the RTL.
+    generics : mapping of str to int
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    QuadshadeError
+      Unknown kind, a missing tool, or one that fails.
+    """
+    if kind not in KINDS:
+        raise QuadshadeError(f"there is no netlist {kind!r}", f"the netlists are {', '.join(KINDS)}")
+    root = repository_root()
+    netlist = write_netlist(generics, unit, root=root)
+    if kind == GENERIC:
+        return [netlist]
+    device = find_device(FAMILIES[kind])
+    commands = [f"read_verilog {netlist}", *mapping_commands(device, unit), "write_verilog -noattr mapped.v"]
+    models = cell_models(kind)
+
+    def make(folder: Path) -> None:
+        (folder / "cells.v").write_text(models)
+        run_yosys(commands, folder)
+
+    # The netlist's path holds the hash of what it is made of.
+    text = "\0".join([*commands, models, tool_version(YOSYS)])
+    name = hashlib.sha256(text.encode()).hexdigest()[:16]
+    folder = once(root / "build" / "mapped", name, make)
+    return [folder / "mapped.v", folder / "cells.v"]

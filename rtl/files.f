@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# All RTL, bottom-up; every tool reads this list.
+rtl/quadshade_pkg.vhd
+rtl/skid_buffer.vhd
+rtl/setup_loader.vhd
+rtl/edge_dda.vhd
+rtl/edge_walker.vhd
+rtl/scanline_channel.vhd
+rtl/span_chain.vhd
+rtl/span_walker.vhd
+rtl/pixel_channel.vhd
+rtl/output_clamp.vhd
+rtl/lane_handshake.vhd
+rtl/channel_lane.vhd
+rtl/raster_core.vhd

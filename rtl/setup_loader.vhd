@@ -1,0 +1,326 @@
+-- SPDX-License-Identifier: Apache-2.0
+--
+-- Collects a packet of set-up words into registers: bit fields of the edges, then the channels' planes, group
+-- by group, each up to the group's highest order. Every register has its lane and its beat: no multiplexer.
+-- A channel word that is not sent is zero. A packet ends after a bounded number of beats whatever it says.
+--
+-- Model: setup_loader.py.  Test: test_setup_loader.py.  Latency: 1 cycle after the last beat.
+-- Throughput: one beat per cycle, and one cycle in which the edge walker takes the primitive.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use work.quadshade_pkg.all;
+
+entity setup_loader is
+  generic (
+    num_channels : positive := default_formats.num_channels;
+    max_order : natural := default_formats.max_order;
+    with_depth : natural := default_formats.with_depth;
+    word_width : positive := default_formats.word_width;
+    stream_width : positive := default_formats.stream_width;
+    edge_section_bits : positive := 237;
+    second_section_bits : positive := 94;
+    -- Where the channels' orders stand in the edge section.
+    orders_low : natural := 3
+  );
+  port (
+    clk : in std_ulogic;
+    reset : in std_ulogic;
+
+    setup_valid : in std_ulogic;
+    setup_ready : out std_ulogic;
+    setup_data : in std_ulogic_vector(stream_width - 1 downto 0);
+
+    -- A packet is begun or waits.
+    busy : out std_ulogic;
+
+    -- A whole packet is there; it is given up in the cycle in which it is taken.
+    packet_valid : out std_ulogic;
+    packet_taken : in std_ulogic;
+    -- The channels have yet to copy the words of the packet that was taken.
+    words_pending : in std_ulogic;
+
+    edge_data : out std_ulogic_vector(edge_section_bits - 1 downto 0);
+    second_data : out std_ulogic_vector(second_section_bits - 1 downto 0);
+    -- Channel by channel, plane by plane.
+    words : out u_unsigned((num_channels + with_depth) * num_planes * word_width - 1 downto 0)
+  );
+end entity;
+
+architecture rtl of setup_loader is
+
+  function ceil_div(a, b : positive) return positive is
+  begin
+    return (a + b - 1) / b;
+  end function;
+
+  function group_size_of(beat_lanes, lanes_of_one : positive) return positive is
+  begin
+    if beat_lanes < lanes_of_one then
+      return 1;
+    end if;
+    return beat_lanes / lanes_of_one;
+  end function;
+
+  function minimum_of(a, b : natural) return natural is
+  begin
+    if a < b then
+      return a;
+    end if;
+    return b;
+  end function;
+
+  constant carried : positive := num_channels + with_depth;
+  constant lanes : positive := stream_width / lane_bits;
+  constant lanes_of_word : positive := ceil_div(word_width, lane_bits);
+  constant edge_beats : positive := ceil_div(edge_section_bits, stream_width);
+  constant second_beats : positive := ceil_div(second_section_bits, stream_width);
+  -- Channels that share a beat; a word wider than a beat makes a group of its own.
+  constant group_size : positive := group_size_of(lanes, lanes_of_word);
+  constant num_groups : positive := ceil_div(carried, group_size);
+  constant plane_beats : positive := ceil_div(lanes_of_word, lanes);
+
+  constant plane_places : positive := num_groups * num_planes * plane_beats;
+
+  -- One hot over all three vectors: which registers the next beat goes to.
+  type state_t is record
+    edge_at : std_ulogic_vector(0 to edge_beats - 1);
+    second_at : std_ulogic_vector(0 to second_beats - 1);
+    plane_at : std_ulogic_vector(0 to plane_places - 1);
+    -- From the last beat of the edge section on, the channel words are written.
+    writes_words : std_ulogic;
+  end record;
+
+  -- A one in the first place.
+  function first_of(length : positive) return std_ulogic_vector is
+    variable v : std_ulogic_vector(0 to length - 1) := (others => '0');
+  begin
+    v(0) := '1';
+    return v;
+  end function;
+
+  function writes_at_start return std_ulogic is
+  begin
+    if edge_beats = 1 then
+      return '1';
+    end if;
+    return '0';
+  end function;
+
+  constant state_init : state_t := (
+    edge_at => first_of(edge_beats),
+    second_at => (others => '0'),
+    plane_at => (others => '0'),
+    writes_words => writes_at_start
+  );
+
+  -- Highest order that a group's channels are built for; depth is linear at most.
+  function built_order(index : natural) return natural is
+  begin
+    if index * group_size < num_channels then
+      if max_order = 0 and with_depth = 1 and (index + 1) * group_size > num_channels then
+        return 1;
+      end if;
+      return max_order;
+    end if;
+    return 1;
+  end function;
+
+  signal state : state_t := state_init;
+  signal state_next : state_t;
+  signal full : std_ulogic := '0';
+  signal packet_done : std_ulogic;
+  signal ready, accept, clear_words : std_ulogic;
+  signal beat : std_ulogic_vector(stream_width - 1 downto 0) := (others => '0');
+  signal edge_write : std_ulogic_vector(0 to edge_beats - 1) := (others => '0');
+  signal second_write : std_ulogic_vector(0 to second_beats - 1) := (others => '0');
+  signal plane_write : std_ulogic_vector(0 to plane_places - 1) := (others => '0');
+  -- Of the packet that is coming in, from its first beat.
+  signal has_second : std_ulogic := '0';
+  signal orders : std_ulogic_vector(2 * carried - 1 downto 0) := (others => '0');
+  signal edge_words : std_ulogic_vector(edge_beats * stream_width - 1 downto 0) := (others => '0');
+  signal second_words : std_ulogic_vector(second_beats * stream_width - 1 downto 0) := (others => '0');
+  -- By group: it has a channel of linear, of quadratic order.
+  signal linear, quadratic : std_ulogic_vector(0 to num_groups - 1);
+
+begin
+
+  ready <= not full and not (state.writes_words and words_pending);
+  accept <= setup_valid and ready;
+  setup_ready <= ready;
+  packet_valid <= full;
+  busy <= full or not state.edge_at(0);
+
+  order_gen : for index in 0 to num_groups - 1 generate
+    levels : process (all)
+      variable low, high : std_ulogic;
+    begin
+      low := '0';
+      high := '0';
+      for channel in index * group_size to minimum_of((index + 1) * group_size, carried) - 1 loop
+        low := low or orders(2 * channel);
+        high := high or orders(2 * channel + 1);
+      end loop;
+      linear(index) <= '0';
+      quadratic(index) <= '0';
+      if built_order(index) >= 1 then
+        linear(index) <= low or high;
+      end if;
+      if built_order(index) >= 2 then
+        quadratic(index) <= high;
+      end if;
+    end process;
+  end generate;
+
+  control : process (all)
+    variable v : state_t;
+    variable begins_planes, to_second, done, ends : std_ulogic;
+    variable place : natural;
+  begin
+    v := state;
+    done := '0';
+
+    to_second := has_second;
+    if edge_beats = 1 then
+      to_second := setup_data(0);
+    end if;
+
+    if accept = '1' then
+      for place_index in 1 to edge_beats - 1 loop
+        v.edge_at(place_index) := state.edge_at(place_index - 1);
+      end loop;
+      v.second_at(0) := state.edge_at(edge_beats - 1) and to_second;
+      for place_index in 1 to second_beats - 1 loop
+        v.second_at(place_index) := state.second_at(place_index - 1);
+      end loop;
+      begins_planes := (state.edge_at(edge_beats - 1) and not to_second) or state.second_at(second_beats - 1);
+      for index in 0 to num_groups - 1 loop
+        -- The first plane follows whatever ended before it.
+        place := index * num_planes * plane_beats;
+        v.plane_at(place) := begins_planes;
+        begins_planes := '0';
+        for plane in 0 to num_planes - 1 loop
+          for part in 1 to plane_beats - 1 loop
+            v.plane_at(place + part) := state.plane_at(place + part - 1);
+          end loop;
+          place := place + plane_beats;
+          ends := '0';
+          if plane = planes_of_order(0) - 1 then
+            ends := not linear(index);
+          elsif plane = planes_of_order(1) - 1 then
+            ends := not quadratic(index);
+          elsif plane = planes_of_order(2) - 1 then
+            ends := '1';
+          end if;
+          begins_planes := begins_planes or (state.plane_at(place - 1) and ends);
+          if plane < num_planes - 1 then
+            v.plane_at(place) := state.plane_at(place - 1) and not ends;
+          end if;
+        end loop;
+      end loop;
+      done := begins_planes;
+      v.edge_at(0) := done;
+      v.writes_words := writes_at_start;
+      if edge_beats > 1 then
+        v.writes_words := (state.writes_words or state.edge_at(minimum_of(edge_beats - 2, edge_beats - 1)))
+          and not done;
+      end if;
+    end if;
+
+    packet_done <= done;
+    state_next <= v;
+  end process;
+
+  state_register : process (clk)
+  begin
+    if rising_edge(clk) then
+      state <= state_next;
+      -- Nothing is accepted while it is full, so there is no order between the two.
+      full <= packet_done or (full and not packet_taken);
+      if reset = '1' then
+        state <= state_init;
+        full <= '0';
+      end if;
+    end if;
+  end process;
+
+  -- A beat waits one cycle beside its write strobes, so that a strobe reaches its registers without logic.
+  -- The packet may be valid meanwhile: the words written last are copied later than the edges are taken.
+  beat_stage : process (clk)
+  begin
+    if rising_edge(clk) then
+      beat <= setup_data;
+      edge_write <= (others => '0');
+      second_write <= (others => '0');
+      plane_write <= (others => '0');
+      if accept = '1' then
+        edge_write <= state.edge_at;
+        second_write <= state.second_at;
+        plane_write <= state.plane_at;
+        if state.edge_at(0) = '1' then
+          has_second <= setup_data(0);
+          orders <= setup_data(orders_low + 2 * carried - 1 downto orders_low);
+        end if;
+      end if;
+    end if;
+  end process;
+
+  edge_gen : for index in 0 to edge_beats - 1 generate
+    store : process (clk)
+    begin
+      if rising_edge(clk) then
+        if edge_write(index) = '1' then
+          edge_words((index + 1) * stream_width - 1 downto index * stream_width) <= beat;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  second_gen : for index in 0 to second_beats - 1 generate
+    store : process (clk)
+    begin
+      if rising_edge(clk) then
+        if second_write(index) = '1' then
+          second_words((index + 1) * stream_width - 1 downto index * stream_width) <= beat;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  edge_data <= edge_words(edge_section_bits - 1 downto 0);
+  second_data <= second_words(second_section_bits - 1 downto 0);
+
+  -- Words that the packet will not bring must be zero: cleared with the last beat of the edge section.
+  clear_words <= edge_write(edge_beats - 1);
+
+  channel_gen : for channel in 0 to carried - 1 generate
+    plane_gen : for plane in 0 to num_planes - 1 generate
+      constant base : natural := (channel * num_planes + plane) * word_width;
+      -- Lanes, counted from the plane's first.
+      constant first_lane : natural := (channel mod group_size) * lanes_of_word;
+    begin
+      part_gen : for part in 0 to lanes_of_word - 1 generate
+        constant lane : natural := (first_lane + part) mod lanes;
+        constant place : natural :=
+          ((channel / group_size) * num_planes + plane) * plane_beats + (first_lane + part) / lanes;
+        constant width : natural := minimum_of(lane_bits, word_width - part * lane_bits);
+        signal word : u_unsigned(width - 1 downto 0) := (others => '0');
+      begin
+        store : process (clk)
+        begin
+          if rising_edge(clk) then
+            if plane > 0 and clear_words = '1' then
+              word <= (others => '0');
+            elsif plane_write(place) = '1' then
+              word <= unsigned(beat(lane * lane_bits + width - 1 downto lane * lane_bits));
+            end if;
+          end if;
+        end process;
+        words(base + part * lane_bits + width - 1 downto base + part * lane_bits) <= word;
+      end generate;
+    end generate;
+  end generate;
+
+end architecture;

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Clock and area of the core on FPGAs: GHDL, Yosys and nextpnr, several seeds each."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from quadshade.cli.options import generic_option, parse_generics
+from quadshade.engine.ghdl import repository_root
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.synthesis import find_board, find_device, implement
+from quadshade.synthesis import table as resources
+from quadshade.synthesis.flow import Placed
+
+seeds_option = click.option(
+    "--seeds", default=5, show_default=True, type=click.IntRange(1, 99), help="Seeds of nextpnr, from 1."
+)
+console = Console(stderr=True)
+
+
+class Failure(Exception):
+    """A clock under its floor, or a table that is not what is measured; exit code 1."""
+
+
+def told(what: str):
+    """A function that reports one run of nextpnr."""
+    return lambda run: console.print(f"{what}, seed {run.seed}: {run.fmax_mhz:.1f} MHz", highlight=False)
+
+
+@click.group(help=__doc__)
+def main() -> None:
+    pass
+
+
+@main.command()
+@click.option("--device", help="For example ecp5-25k-6.")
+@click.option("--board", help="For example ulx3s-85f: the device in synth/boards.")
+@seeds_option
+@generic_option
+def run(device: str | None, board: str | None, seeds: int, generics: tuple[str, ...]) -> None:
+    """Synthesise the core for one device or board; fails if the table has a higher clock for it."""
+    root = repository_root()
+    if (device is None) == (board is None):
+        raise QuadshadeError("give a device or a board", "DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f, for example")
+    chosen = find_device(device) if device else find_board(board, root)
+    settings = parse_generics(generics)
+    Formats().with_generics(settings)
+    result = implement(settings, chosen, range(1, seeds + 1), progress=told(chosen.name))
+    area, path = result.area, result.typical.path
+    print(f"{chosen.name}: {result.fmax_mhz:.1f} MHz, median of {seeds} seeds")
+    print(
+        f"  LUT4 {area.lut4} (of these in {area.carry} carry cells: {area.carry_luts}), flip-flops {area.ff}, "
+        f"block RAM {area.bram}, multipliers {area.dsp}"
+    )
+    print(f"  critical path: {path.source} to {path.sink}")
+    print(f"  {path.logic_ns} ns logic in {path.levels} levels, {path.routing_ns} ns routing")
+    row = resources.find_row(resources.read_table(root), chosen.name, settings)
+    if row and result.fmax_mhz < row["floor_mhz"]:
+        raise Failure(f"{result.fmax_mhz:.1f} MHz; the floor of {row['name']!r} is {row['floor_mhz']} MHz")
+
+
+def measure_all(table: dict, seeds: int) -> list[dict]:
+    """Every row of the table, measured afresh."""
+    root = repository_root()
+    rows = []
+    for row in table["rows"]:
+
+        def report(what: str, placed: Placed, row: dict = row) -> None:
+            told(f"{row['name']}, {row['device']}, {what}")(placed)
+
+        rows.append(resources.measure_row(row, range(1, seeds + 1), root, report))
+    return rows
+
+
+def show(rows: list[dict]) -> None:
+    """Print rows with what limits each."""
+    header = ("configuration", "device", "LUT4", "FF", "MHz", "lone", "ratio", "critical path")
+    shown = Table(*header)
+    for row in rows:
+        path = row["critical_path"]
+        shown.add_row(
+            row["name"],
+            row["device"],
+            str(row["area"]["lut4"]),
+            str(row["area"]["ff"]),
+            f"{row['fmax_mhz']:.1f}",
+            f"{row['lone_mhz']:.1f}",
+            f"{row['ratio']:.3f}",
+            f"{path['source']} to {path['sink']}: {path['logic_ns']} ns logic, {path['routing_ns']} ns routing",
+        )
+    printer = Console()
+    printer.width = max(printer.width, 150)
+    printer.print(shown)
+
+
+@main.command()
+@seeds_option
+def limits(seeds: int) -> None:
+    """Measure every row of the table, the core beside a lone accumulator, and write the table."""
+    root = repository_root()
+    table = resources.read_table(root)
+    rows = measure_all(table, seeds)
+    show(rows)
+    failures = [line for row in rows for line in resources.timing_failures(row)]
+    if failures:
+        raise Failure("; ".join(failures))
+    fresh = {"seeds": seeds, "tools": resources.tools(rows), "rows": rows}
+    resources.write_text(resources.table_path(root), resources.dumps(fresh))
+
+
+@main.command()
+def check() -> None:
+    """Measure every row again and compare it with the table: the same cells, no clock under its floor."""
+    table = resources.read_table(repository_root())
+    rows = measure_all(table, table["seeds"])
+    show(rows)
+    pairs = zip(table["rows"], rows, strict=True)
+    found = [line for row, fresh in pairs for line in resources.differences(row, fresh)]
+    if found:
+        raise Failure("; ".join(found))
+
+
+@main.command()
+def readme() -> None:
+    """Write the table into the README, between its markers."""
+    root = repository_root()
+    path = root / "README.md"
+    if not path.is_file():
+        raise QuadshadeError(f"there is no {path}")
+    resources.write_text(path, resources.with_table(path.read_text(), resources.read_table(root)))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except QuadshadeError as error:
+        print(f"synth: error: {error}", file=sys.stderr)
+        sys.exit(2)
+    except Failure as failure:
+        print(f"synth: failed: {failure}", file=sys.stderr)
+        sys.exit(1)

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a user does by accident: files that collide, devices, Ctrl-C, warnings of libraries, numbers too large."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from quadshade.cli import options
+from quadshade.cli.main import main
+from quadshade.errors import QuadshadeError
+from quadshade.formats import GENERIC_HELP, Formats
+from quadshade.image import read_picture, write_png
+
+TRIANGLE = {"vertices": [[1, 1], [9, 2], [3, 9]], "samples": {"r": [5]}}
+CONTENT = json.dumps({"width": 10, "height": 10, "channels": ["r"], "triangles": [TRIANGLE]})
+
+
+def quadshade(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def is_one_line(result: Result) -> bool:
+    line = result.stderr
+    return result.exit_code == 2 and line.startswith("quadshade: error: ") and line.count("\n") == 1
+
+
+@pytest.fixture
+def triangles(tmp_path: Path) -> Path:
+    path = tmp_path / "triangles.json"
+    path.write_text(CONTENT)
+    return path
+
+
+def test_an_input_or_another_output_is_not_overwritten(triangles: Path, tmp_path: Path) -> None:
+    linked = tmp_path / "link.npz"
+    linked.symlink_to(triangles)
+    for outputs in (("-o", triangles), ("-o", linked), ("-o", tmp_path / "a", "--stats", tmp_path / "a")):
+        assert is_one_line(quadshade("raster", triangles, *outputs))
+    assert triangles.read_text() == CONTENT and sorted(tmp_path.iterdir()) == [linked, triangles]
+    picture = tmp_path / "a.png"
+    write_png(picture, np.zeros((9, 9, 3), dtype=np.uint8))
+    assert is_one_line(quadshade("compare", picture, picture, "--heatmap", picture))
+    assert is_one_line(quadshade("render", "sphere:24", "-o", picture, "--stats", picture))
+
+
+def test_a_link_is_followed_and_a_pipe_is_written_to(tmp_path: Path) -> None:
+    (tmp_path / "target").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    options.write_json(tmp_path / "link", {"a": 1})
+    assert (tmp_path / "link").is_symlink()
+    assert json.loads((tmp_path / "target").read_text()) == {"a": 1}
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    options.check_writable(pipe, pipe)
+    options.write_json(pipe, {"a": 1})
+    assert json.loads(os.read(reader, 100)) == {"a": 1}
+    os.close(reader)
+    assert pipe.is_fifo()
+
+
+def test_pixels_may_go_nowhere(triangles: Path) -> None:
+    """NumPy's zip cannot be written to a device, which says of itself that it can seek."""
+    result = quadshade("raster", triangles, "-o", os.devnull)
+    assert result.exit_code == 0, result.output
+    assert Path(os.devnull).is_char_device()
+
+
+@pytest.mark.parametrize("text", ("frac_bits=1_0", "frac_bits=\u0663", "frac_bits=1e1", "frac_bits="))
+def test_a_generic_is_a_plain_decimal_number(text: str) -> None:
+    with pytest.raises(QuadshadeError, match="whole number"):
+        options.parse_generics([text])
+
+
+def test_the_help_lists_every_generic() -> None:
+    for command in ("raster", "render"):
+        text = quadshade(command, "--help").output
+        for name, value in Formats().generics().items():
+            assert f"{name}={value} " in text and GENERIC_HELP[name] in text
+
+
+def test_no_command_is_one_short_line() -> None:
+    result = quadshade()
+    assert is_one_line(result) and "no command" in result.stderr
+
+
+def test_ctrl_c_ends_the_program_while_it_imports(tmp_path: Path) -> None:
+    """trimesh's imports would swallow the exception."""
+    program = (
+        "import builtins, os, signal\n"
+        "from quadshade.cli.main import main\n"
+        "real = builtins.__import__\n"
+        "def trapped(name, *rest):\n"
+        "    if name == 'trimesh':\n"
+        "        try:\n"
+        "            os.kill(os.getpid(), signal.SIGINT)\n"
+        "        except BaseException:\n"
+        "            pass\n"
+        "    return real(name, *rest)\n"
+        "builtins.__import__ = trapped\n"
+        "main(['render', 'icosphere:0', '-o', 'a.png'])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "quadshade: interrupted\n")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    (
+        ("--camera", "eye=0,0,1e300"),
+        ("--camera", "from=1e300,0,0"),
+        ("--camera", "ortho=1e-300"),
+        ("--camera", "up=1e300,0,0"),
+        ("--light", "dir=1e300,1e300,0"),
+        ("--light", "point=1e200,0,0"),
+        ("--light", "ambient=1e308"),
+        ("--material", "colour=1e308,diffuse=1e308"),
+        ("--reflectance", ""),
+    ),
+    ids=" ".join,
+)
+def test_numbers_out_of_all_proportion_are_refused(tmp_path: Path, arguments: tuple[str, str]) -> None:
+    result = quadshade("render", "sphere:24", "-o", tmp_path / "a.png", "--size", "8x8", *arguments)
+    assert is_one_line(result) and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("body", ("raise SystemExit(0)", "return normal * 1j", "return np.log(normal - 2)"))
+def test_a_reflectance_neither_ends_the_program_nor_warns(tmp_path: Path, body: str) -> None:
+    module = tmp_path / "surface.py"
+    module.write_text(f"import numpy as np\ndef f(point, normal, to_light, to_viewer):\n    {body}\n")
+    arguments = ("-o", tmp_path / "a.png", "--size", "8x8", "--reflectance", f"{module}:f")
+    assert is_one_line(quadshade("render", "sphere:24", *arguments))
+
+
+MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+@pytest.mark.parametrize(
+    "content", (b"\xef\xbb\xbf" + MESH.encode(), MESH.encode() + b"# Gr\xf6\xdfe\n"), ids=("mark", "latin-1")
+)
+def test_a_mesh_in_text_may_have_any_encoding(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "plain.obj").write_text(MESH)
+    (tmp_path / "other.obj").write_bytes(content)
+    for name in ("plain", "other"):
+        result = quadshade(
+            "render", tmp_path / f"{name}.obj", "-o", tmp_path / f"{name}.png", "--size", "9x9"
+        )
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "other.png").read_bytes()
+    assert read_picture(tmp_path / "other.png").any()
+
+
+def test_binary_junk_is_not_blamed_on_a_missing_package(tmp_path: Path) -> None:
+    (tmp_path / "cut.stl").write_bytes(bytes(80) + b"\x07\xff\xff\x00" + bytes([200]) * 60)
+    result = quadshade("render", tmp_path / "cut.stl", "-o", tmp_path / "a.png")
+    assert is_one_line(result) and "charset" not in result.stderr and "module" not in result.stderr
+
+
+def test_a_png_of_16_bits_is_refused(tmp_path: Path) -> None:
+    """Pillow would halve its bits without a word."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 2, 1, 16, 2, 0, 0, 0))
+    rows = chunk(b"IDAT", zlib.compress(bytes(13)))
+    path = tmp_path / "deep.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + header + rows + chunk(b"IEND", b""))
+    with pytest.raises(QuadshadeError, match="more than 8 bits"):
+        read_picture(path)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The netlist: constants repaired, nothing else let through, made once for each state of its sources."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from quadshade.engine.netlist import TOP, repair_constants, write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+
+ROOT = Path(__file__).resolve().parent.parent
+needs_ghdl = pytest.mark.skipif(shutil.which("ghdl") is None, reason="needs GHDL: run `make setup`")
+
+WIDE = """\
+-- SPDX-License-Identifier: Apache-2.0
+library ieee;
+use ieee.std_logic_1164.all;
+entity wide is
+  generic (ones : natural := 1);
+  port (data : out std_ulogic_vector(39 downto 0));
+end entity;
+architecture rtl of wide is
+begin
+  data <= x"123456789a" when ones = 0 else (others => '1');
+end architecture;
+"""
+
+
+def test_repairs_constants() -> None:
+    assert repair_constants('a <= "0101";\nb = "zX01";\n') == "a <= 4'b0101;\nb = 4'bzX01;\n"
+
+
+@pytest.mark.parametrize("line", ['$display("hello");', 'a = "";', 'a = "012";'])
+def test_refuses_other_quotes(line: str) -> None:
+    with pytest.raises(QuadshadeError, match="line 2 of the netlist has a quote that is not a constant's"):
+        repair_constants(f"module unit;\n{line}\n")
+
+
+@needs_ghdl
+def test_wide_constants_have_their_value(tmp_path: Path) -> None:
+    source = tmp_path / "wide.vhd"
+    source.write_text(WIDE)
+    text = write_netlist({}, "wide", [source]).read_text()
+    assert {int(bits, 2) for bits in re.findall(r"40'b([01]{40})", text)} == {0x123456789A, 2**40 - 1}
+
+
+@needs_ghdl
+def test_is_made_once_and_again_when_anything_changes(tmp_path: Path) -> None:
+    source = tmp_path / "wide.vhd"
+    source.write_text(WIDE)
+    first = write_netlist({}, "wide", [source])
+    made = first.stat().st_mtime_ns
+    assert write_netlist({}, "wide", [source]) == first and first.stat().st_mtime_ns == made
+    source.write_text(WIDE + "-- changed\n")
+    assert (
+        len({first, write_netlist({}, "wide", [source]), write_netlist({"ones": 0}, "wide", [source])}) == 3
+    )
+
+
+@needs_ghdl
+def test_core_has_no_string_whatever_its_generics() -> None:
+    for formats in (Formats(), Formats(word_width=60, frac_bits=40, stream_width=128)):
+        text = write_netlist(formats.generics()).read_text()
+        assert f"module {TOP}\n" in text and '"' not in text
+
+
+@needs_ghdl
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--generic", "word_width=61"], "generic word_width is 61; give a value from 12 to 60"),
+        (["--generic", "nonsuch=1"], 'no generic "nonsuch"'),
+        (["--top", "nonsuch"], "cannot find entity or configuration nonsuch"),
+        (["--file", "nonsuch.vhd"], "nonsuch.vhd"),
+    ],
+)
+def test_script_says_errors_in_one_line(arguments: list[str], message: str) -> None:
+    command = [sys.executable, ROOT / "scripts" / "netlist.py", *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 2 and result.stdout == ""
+    assert message in result.stderr
+    assert result.stderr.startswith("netlist: error: ") and len(result.stderr.splitlines()) == 1
+
+
+@needs_ghdl
+def test_script_writes_a_file(tmp_path: Path) -> None:
+    output = tmp_path / "made" / "core.v"
+    command = [sys.executable, ROOT / "scripts" / "netlist.py", "--generic", "span_depth=1", "-o", output]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert result.stdout == f"{output}\n"
+    assert output.read_text() == write_netlist({"span_depth": 1}).read_text()
+    assert [path.name for path in output.parent.iterdir()] == ["core.v"]

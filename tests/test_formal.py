@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of proofs against the RTL as it is, a proof with its mutants, and faults that are not proofs."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import pytest
+
+import formal
+from quadshade.errors import QuadshadeError
+
+PROOFS = {proof.name: proof for proof in formal.load_proofs()}
+
+
+@pytest.fixture
+def build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of the test's own for what the tools write; below the checkout, which the tools can read."""
+    folder = formal.ROOT / "build" / "test_formal" / tmp_path.name
+    monkeypatch.setattr(formal, "BUILD", folder)
+    return folder
+
+
+@pytest.mark.parametrize("name", PROOFS)
+def test_table_fits_files(name: str) -> None:
+    proof = PROOFS[name]
+    suffix = {"sby": ".sv", "smt2": ".smt2"}.get(proof.kind)
+    assert suffix is None or (formal.FORMAL / f"{name}{suffix}").is_file()
+    for mutant in proof.mutants:
+        folder = formal.FORMAL if proof.kind == "smt2" else formal.ROOT / "rtl"
+        text = (folder / mutant["file"]).read_text()
+        assert formal.mutate(text, mutant) != text
+
+
+def test_files_are_in_the_table() -> None:
+    files = {path.stem for path in formal.FORMAL.iterdir() if path.suffix in (".sv", ".smt2")}
+    assert files == {name for name, proof in PROOFS.items() if proof.kind != "cones"}
+
+
+def test_every_stateful_unit_is_proved() -> None:
+    units = {path.stem for path in (formal.ROOT / "rtl").glob("*.vhd")} - {"quadshade_pkg", "output_clamp"}
+    proved = {unit for proof in PROOFS.values() for unit in proof.units}
+    # Inside the core, and there only: the lanes are compared with each other.
+    assert units - proved == {"channel_lane", "lane_handshake"}
+
+
+def test_page_names_every_proof() -> None:
+    page = (formal.ROOT / "docs" / "formal.md").read_text()
+    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == list(PROOFS)
+
+
+def test_report_is_of_this_table() -> None:
+    report = formal.REPORT.read_text()
+    rows = [line.split(" | ")[0].removeprefix("| ") for line in report.splitlines() if line.startswith("| ")]
+    expected = [proof.name for proof in PROOFS.values() for _ in proof.configs]
+    expected += [proof.name for proof in PROOFS.values() for _ in proof.mutants]
+    assert [row for row in rows if row != "proof" and row != "---"] == expected
+
+
+def test_proof_and_mutants(build: Path) -> None:
+    outcomes = formal.run_all([PROOFS["skid_buffer"], PROOFS["edge_dda_exact"]], 1)
+    assert [outcome for outcome in outcomes if not outcome.good] == []
+    assert {outcome.verdict for outcome in outcomes} == {"holds", "fails"}
+
+
+def test_mutant_that_changes_nothing_is_accepted(build: Path) -> None:
+    same = {
+        "what": "nothing",
+        "file": "skid_buffer.vhd",
+        "from": "ready <= '0';",
+        "to": "ready <= not front_valid;",
+    }
+    proof = dataclasses.replace(PROOFS["skid_buffer"], mutants=[same])
+    outcome = formal.run_job(formal.Job(proof, 0, 0), formal.tool_environment())
+    assert (outcome.verdict, outcome.good) == ("holds", False)
+
+
+def test_missing_signal_is_an_error(build: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (formal.FORMAL / "skid_buffer.sv").read_text()
+    (tmp_path / "skid_buffer.sv").write_text(text.replace("dut.spare", "dut.gone"))
+    monkeypatch.setattr(formal, "FORMAL", tmp_path)
+    outcome = formal.run_job(formal.Job(PROOFS["skid_buffer"], 0), formal.tool_environment())
+    assert outcome.verdict == "error" and "dut.gone" in outcome.detail
+
+
+def test_mutant_without_its_line_is_an_error() -> None:
+    mutant = {"what": "none", "file": "skid_buffer.vhd", "from": "no such line", "to": ""}
+    with pytest.raises(QuadshadeError, match="0 times"):
+        formal.mutate((formal.ROOT / "rtl" / "skid_buffer.vhd").read_text(), mutant)

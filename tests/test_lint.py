@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Style and layout of the repository, and that the RTL analyses and synthesises without a warning."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+GHDL = os.environ.get("GHDL", "ghdl")
+TOP = "raster_core"
+MAX_LINES = 400
+MAX_COLUMNS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]["line-length"]
+MAX_HEADER_LINES = 15
+SPDX = "SPDX-License-Identifier: Apache-2.0"
+
+
+def run(*command: str | Path, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False
+    )
+
+
+def tracked_files() -> list[Path]:
+    """Text files in the repository, without LICENSE (its text is not ours)."""
+    names = run("git", "ls-files", "-z").stdout.split("\0")
+    assert "Makefile" in names, "not a git work tree"
+    paths = [ROOT / name for name in names if name and name != "LICENSE"]
+    return [path for path in paths if path.is_file() and b"\0" not in path.read_bytes()]
+
+
+def is_code(path: Path) -> bool:
+    """Whether a file is written by hand in a language that has comments."""
+    return path.suffix in (".py", ".vhd", ".sh", ".cpp", ".sv", ".v", ".toml", ".f", ".mk") or path.name in (
+        "Makefile",
+        "requirements.txt",
+        "run",
+    )
+
+
+def rtl_files() -> list[Path]:
+    """What ``rtl/files.f`` lists, bottom-up."""
+    lines = (ROOT / "rtl" / "files.f").read_text().splitlines()
+    return [ROOT / line for line in lines if line and not line.startswith("#")]
+
+
+def rtl_entities() -> set[str]:
+    """Stems of the RTL's entities: all files but the packages."""
+    return {path.stem for path in (ROOT / "rtl").glob("*.vhd") if not path.stem.endswith("_pkg")}
+
+
+def faults(path: Path) -> list[str]:
+    """What is wrong with a file's text, a line each."""
+    data = path.read_bytes()
+    lines = data.decode().split("\n")
+    name = path.relative_to(ROOT)
+    found = []
+    if data and not data.endswith(b"\n"):
+        found.append(f"{name}: no newline at the end")
+    if data.endswith(b"\n\n"):
+        found.append(f"{name}: blank lines at the end")
+    for number, line in enumerate(lines, start=1):
+        if "\t" in line and path.name != "Makefile" and path.suffix != ".mk":
+            found.append(f"{name}:{number}: tab")
+        if line != line.rstrip():
+            found.append(f"{name}:{number}: blanks at the end of the line")
+        if is_code(path) and len(line) > MAX_COLUMNS:
+            found.append(f"{name}:{number}: {len(line)} columns, {MAX_COLUMNS} allowed")
+    if is_code(path):
+        if len(lines) - 1 >= MAX_LINES:
+            found.append(f"{name}: {len(lines) - 1} lines, fewer than {MAX_LINES} allowed")
+        first = lines[1] if lines[0].startswith("#!") else lines[0]
+        if not first.endswith(SPDX):
+            found.append(f"{name}: the first line is not the SPDX line")
+    return found
+
+
+def test_ruff_check() -> None:
+    result = run(sys.executable, "-m", "ruff", "check", ".")
+    assert result.returncode == 0, result.stdout
+
+
+def test_ruff_format() -> None:
+    result = run(sys.executable, "-m", "ruff", "format", "--check", ".")
+    assert result.returncode == 0, result.stdout
+
+
+def test_file_hygiene() -> None:
+    found = [fault for path in tracked_files() for fault in faults(path)]
+    assert not found, "\n" + "\n".join(found)
+
+
+def test_hygiene_finds_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[__name__], "ROOT", tmp_path)
+    bad = tmp_path / "bad.py"
+    bad.write_text("x = 1 \n\ty\n" + "z" * (MAX_COLUMNS + 1) + "\n" * 400 + "end")
+    found = " ".join(faults(bad))
+    for fault in (
+        "no newline",
+        "bad.py:2: tab",
+        "bad.py:1: blanks",
+        f"{MAX_COLUMNS + 1} columns",
+        "fewer than",
+        "SPDX",
+    ):
+        assert fault in found
+
+
+@pytest.mark.parametrize("stem", sorted(rtl_entities()))
+def test_vhdl_header(stem: str) -> None:
+    text = (ROOT / "rtl" / f"{stem}.vhd").read_text()
+    header = re.match(r"(--.*\n)*", text)[0]
+    assert len(header.splitlines()) <= MAX_HEADER_LINES
+    assert f"Model: {stem}.py." in header
+    assert f"Test: test_{stem}.py." in header
+    assert re.search(r"Latency: \S", header)
+
+
+def test_layout_stems() -> None:
+    """An entity, its model, its test and its row in the folder's README carry the same name."""
+    entities = rtl_entities()
+    models = {path.stem for path in (ROOT / "model" / "quadshade" / "golden").glob("*.py")}
+    tests = {path.stem.removeprefix("test_") for path in (ROOT / "cocotb_tests").glob("test_*.py")}
+    rows = re.findall(r"^\| \[?`(\w+)(?:\.vhd)?`", (ROOT / "rtl" / "README.md").read_text(), re.MULTILINE)
+    assert entities - models == set(), "entities without a model in model/quadshade/golden"
+    assert entities - tests == set(), "entities without a test in cocotb_tests"
+    assert set(rows) - {path.stem for path in rtl_files()} == set(), "rows of rtl/README.md without a file"
+    assert entities - set(rows) == set(), "entities without a row in rtl/README.md"
+
+
+def test_file_list_is_complete() -> None:
+    listed = rtl_files()
+    assert len(listed) == len(set(listed))
+    assert set(listed) == set((ROOT / "rtl").glob("*.vhd"))
+
+
+def test_generated_package_is_current() -> None:
+    result = run(sys.executable, "scripts/generate_vhdl.py", "--check")
+    assert result.returncode == 0, result.stderr
+
+
+def test_rtl_analyses_and_synthesises(tmp_path: Path) -> None:
+    options = ["--std=08", f"--workdir={tmp_path}"]
+    # In the order of files.f, which is therefore bottom-up.
+    analysis = run(GHDL, "-a", "-Werror", *options, *rtl_files(), cwd=tmp_path)
+    assert analysis.returncode == 0, analysis.stderr
+    assert analysis.stderr == ""
+    synthesis = run(GHDL, "--synth", "-Werror", *options, "--out=verilog", TOP, cwd=tmp_path)
+    assert synthesis.returncode == 0, synthesis.stderr
+    assert f"module {TOP}" in synthesis.stdout

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Degenerate and bad triangles: what is drawn, what is refused, and with which words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.triangles import ScreenTriangles
+from setup_reference import screen_triangles, walk
+
+FORMATS = Formats(coord_bits=6)
+BIG = [[0, 0], [40 * 256, 0], [0, 40 * 256]]
+
+
+def triangles(*corners: list[list[int]], order: int = 2) -> ScreenTriangles:
+    return screen_triangles(np.array(corners, dtype=np.int64), FORMATS, 64, 64, order=order)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    (
+        [[100, 100], [100, 100], [100, 100]],
+        [[0, 0], [2560, 2560], [5120, 5120]],
+        [[0, 300], [5000, 300], [2000, 300]],
+        [[130, 130], [200, 130], [130, 200]],
+        [[-4000, -4000], [-100, -4000], [-4000, -100]],
+        [[64 * 256 + 200, 0], [100 * 256, 0], [100 * 256, 9000]],
+    ),
+    ids=("point", "line", "horizontal_line", "between_centres", "off_left", "off_right"),
+)
+def test_nothing_drawn(corners: list[list[int]]) -> None:
+    assert len(setup_triangles(triangles(corners), FORMATS)) == 0
+
+
+def test_one_pixel() -> None:
+    primitives = setup_triangles(triangles([[120, 120], [140, 120], [120, 140]]), FORMATS)
+    pixels = walk(primitives, FORMATS)
+    assert (pixels["x"].tolist(), pixels["y"].tolist()) == ([0], [0])
+    assert (primitives.words[0, :, 1:] == 0).all(), "a word that no pixel uses"
+
+
+def test_whole_screen_is_one_packet() -> None:
+    """The border has nothing to walk: step 0, and an error that never carries."""
+    primitives = setup_triangles(triangles([[-9000, -9000], [32767, -9000], [-9000, 32767]]), FORMATS)
+    assert len(walk(primitives, FORMATS)["x"]) < 64 * 64
+    major = {part: int(values[0]) for part, values in primitives.edges["major"].items()}
+    assert major == {"column": 0, "error": -1, "step": 0, "increment": 0, "decrement": -1}
+
+
+def test_orders_send_only_their_planes(rng: np.random.Generator) -> None:
+    for order, planes in enumerate((1, 3, 6)):
+        given = triangles(BIG, order=order)
+        given.samples = rng.uniform(0, 255, given.samples.shape)
+        # What an order does not use is not looked at.
+        given.samples[..., planes:] = np.nan
+        primitives = setup_triangles(given, FORMATS)
+        assert (primitives.words[:, :3, planes:] == 0).all()
+        assert (primitives.words[:, :3, :planes] != 0).all()
+
+
+def test_depth_is_linear() -> None:
+    given = triangles(BIG)
+    given.depth = np.array([[0.0, 65535.0, 30000.0]])
+    primitives = setup_triangles(given, FORMATS)
+    assert primitives.orders[0].tolist() == [2, 2, 2, 1]
+    slope = 65535 / 40 * 2.0**FORMATS.depth_frac_bits
+    assert abs(int(primitives.words[0, 3, 2]) - slope) < 1
+
+
+def broken(**changes) -> ScreenTriangles:
+    given = triangles(BIG, BIG, BIG)
+    for field, value in changes.items():
+        setattr(given, field, value)
+    return given
+
+
+def with_sample(value: float, channel: int = 1) -> np.ndarray:
+    samples = np.full((3, 3, 6), 100.0)
+    samples[2, channel, 4] = value
+    return samples
+
+
+def with_vertex(value: int) -> np.ndarray:
+    vertices = np.array([BIG, BIG, BIG])
+    vertices[1, 2, 0] = value
+    return vertices
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    (
+        (broken(vertices=with_vertex(2 * 64 * 256)), "triangle out of range: triangle 1"),
+        (broken(vertices=with_vertex(-64 * 256 - 1)), "triangle out of range: triangle 1"),
+        (broken(samples=with_sample(np.nan)), "triangle 2: channel g has a sample outside 0 .. 255"),
+        (broken(samples=with_sample(np.inf)), "triangle 2: channel g has a sample outside"),
+        (broken(samples=with_sample(-0.5, 2)), "triangle 2: channel b has a sample outside"),
+        (broken(samples=with_sample(255.01)), "triangle 2: channel g has a sample outside"),
+        (broken(depth=np.array([[0, 0, 0], [0, 65536.0, 0], [0, 0, 0]])), "triangle 1: channel depth"),
+        (broken(orders=np.full((3, 3), 3)), "triangle 0: channel r has order 3"),
+        (broken(samples=np.zeros((3, 2, 6)), orders=np.zeros((3, 2))), "generic num_channels is 3"),
+        (broken(width=65), "screen of 65 x 64"),
+        (broken(height=0), "screen of 64 x 0"),
+    ),
+    ids=lambda v: v.replace(" ", "_") if isinstance(v, str) else "",
+)
+def test_refused(given: ScreenTriangles, message: str) -> None:
+    with pytest.raises(QuadshadeError, match=message) as caught:
+        setup_triangles(given, FORMATS)
+    assert "\n" not in str(caught.value)
+    assert caught.value.hint
+
+
+def test_guard_band_is_allowed() -> None:
+    low, high = FORMATS.guard_band
+    setup_triangles(triangles([[low, low], [high, low], [low, high]]), FORMATS)
+
+
+def test_order_above_the_core() -> None:
+    with pytest.raises(QuadshadeError, match="max_order"):
+        setup_triangles(triangles(BIG), Formats(coord_bits=6, max_order=1))
+
+
+def test_rounding_has_two_names() -> None:
+    with pytest.raises(QuadshadeError, match="'banker'"):
+        setup_triangles(triangles(BIG), FORMATS, rounding="banker")
+
+
+def test_word_too_narrow() -> None:
+    """Two fraction bits lose a second difference of 0.1245: 1000 grey levels, and the bound sees it."""
+    formats = Formats(num_channels=1, with_depth=0, word_width=12, frac_bits=2, coord_bits=8)
+    corners = np.array([[[0, 0], [128 * 256, 0], [0, 128 * 256]]])
+    samples = np.array([[[0, 0, 0, 255, 0, 0.0]]])
+    wide = screen_triangles(corners, formats, samples=samples)
+    with pytest.raises(QuadshadeError, match="triangle 0: channel 0 may not fit its word of 12 bits"):
+        setup_triangles(wide, formats, rounding="independent")

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Colour words against exact rationals: the bound holds at every pixel, and is small."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from quadshade.formats import Formats
+from quadshade.setup import triangle_setup
+from quadshade.setup.edges import cut_triangles
+from quadshade.setup.packet import Primitives
+from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_planes, region, round_words
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.triangles import ScreenTriangles
+from setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
+
+FORMATS = (
+    Formats(num_channels=1),
+    Formats(num_channels=1, word_width=20, frac_bits=10, depth_bits=12),
+    Formats(num_channels=1, word_width=60, frac_bits=44, value_bits=12, depth_bits=24),
+    Formats(num_channels=1, subpixel_bits=12, coord_bits=13),
+    Formats(num_channels=1, subpixel_bits=0, coord_bits=8),
+)
+
+
+def name(formats: Formats) -> str:
+    return f"w{formats.word_width}_frac{formats.frac_bits}_subpixel{formats.subpixel_bits}"
+
+
+def any_triangles(rng: np.random.Generator, count: int, formats: Formats, side: int) -> ScreenTriangles:
+    """Every shape and size, needles and triangles across the border among them, at all orders."""
+    pixel = 1 << formats.subpixel_bits
+    reach = np.exp(rng.uniform(0, np.log(side * pixel), (count, 3, 1))).astype(np.int64) + 1
+    vertices = rng.integers(0, side * pixel, (count, 1, 2)) + rng.integers(-reach, reach + 1, (count, 3, 2))
+    thin = slice(None, None, 4)
+    vertices[thin, 2] = (vertices[thin, 0] + vertices[thin, 1]) // 2 + rng.integers(
+        -2, 3, (len(vertices[thin]), 2)
+    )
+    top = (1 << formats.value_bits) - 1
+    samples = rng.uniform(0, top, (count, formats.num_channels, 6))
+    samples[::7] = rng.integers(0, 2, samples[::7].shape) * top
+    triangles = screen_triangles(vertices, formats, side, side, samples)
+    triangles.orders = rng.choice([0, 1, 2, 2, 2], triangles.orders.shape)
+    triangles.depth = rng.uniform(0, (1 << formats.depth_bits) - 1, (count, 3))
+    return triangles
+
+
+def position(
+    triangles: ScreenTriangles,
+    primitives: Primitives,
+    primitive: int,
+    pixel: dict[str, int],
+    formats: Formats,
+) -> tuple[Fraction, Fraction]:
+    """Where colour is sampled for a pixel, in sub-pixels: its centre, or along the fractional major edge."""
+    scale = 1 << formats.subpixel_bits
+    y = Fraction(scale * (2 * pixel["y"] + 1), 2)
+    if not primitives.header["fractional"][primitive]:
+        return Fraction(scale * (2 * pixel["x"] + 1), 2), y
+    corners = triangles.vertices[primitives.triangle[primitive]].tolist()
+    crossings = []
+    for (xa, ya), (xb, yb) in zip(corners, corners[1:] + corners[:1], strict=True):
+        if min(ya, yb) <= y <= max(ya, yb) and ya != yb:
+            crossings.append(xa + (y - ya) * Fraction(xb - xa, yb - ya))
+    if primitives.header["mirror"][primitive]:
+        return max(crossings) - scale * pixel["n"], y
+    return min(crossings) + scale * pixel["n"], y
+
+
+def errors_at(
+    triangles: ScreenTriangles, primitives: Primitives, formats: Formats, chosen: np.ndarray, pixels: dict
+) -> np.ndarray:
+    """(k, channels) Fraction |value - exact quadratic| at chosen pixels of the walk, in output units."""
+    words = stepped_values(primitives, pixels, formats)
+    found = np.empty((len(chosen), formats.carried_channels), dtype=object)
+    for place, index in enumerate(chosen):
+        primitive = int(pixels["primitive"][index])
+        triangle = int(primitives.triangle[primitive])
+        x, y = position(
+            triangles, primitives, primitive, {k: int(v[index]) for k, v in pixels.items()}, formats
+        )
+        for channel, frac_bits in enumerate(formats.channel_frac_bits):
+            if channel < formats.num_channels:
+                samples, order = triangles.samples[triangle, channel], triangles.orders[triangle, channel]
+            else:
+                samples, order = triangles.depth[triangle], 1
+            exact = exact_quadratic(triangles.vertices[triangle], samples, order)(x, y)
+            value = Fraction(int(words[index, channel]), 1 << frac_bits) - Fraction(1, 2)
+            found[place, channel] = abs(value - exact)
+    return found
+
+
+@pytest.mark.parametrize("fractional", (False, True), ids=("centre", "fractional"))
+@pytest.mark.parametrize("formats", FORMATS, ids=name)
+@pytest.mark.parametrize("rounding", ("joint", "independent"))
+def test_bound_holds(formats: Formats, fractional: bool, rounding: str, rng: np.random.Generator) -> None:
+    """Three pixels of every primitive (first, last, any), 600 triangles a parameter, 12,000 in all."""
+    triangles = any_triangles(rng, 600, formats, 200)
+    if fractional:
+        # On the border of the screen colour starts at the pixel's centre: only triangles inside are checked.
+        limit = 200 << formats.subpixel_bits
+        inside = ((triangles.vertices >= 0) & (triangles.vertices <= limit)).all(axis=(1, 2))
+        triangles.vertices[~inside] = 0
+    primitives = setup_triangles(triangles, formats, fractional, rounding)
+    pixels = walk(primitives, formats)
+    first = np.flatnonzero(np.diff(pixels["primitive"], prepend=-1))
+    last = np.append(first[1:], len(pixels["x"])) - 1
+    chosen = np.unique(np.concatenate([first, last, rng.integers(first, last + 1)]))
+    errors = errors_at(triangles, primitives, formats, chosen, pixels)
+    bounds = primitives.bound[pixels["primitive"][chosen]]
+    for place, index in enumerate(chosen):
+        for channel in range(formats.carried_channels):
+            assert errors[place, channel] <= Fraction(bounds[place, channel]), (
+                f"pixel {index} of primitive {pixels['primitive'][index]}, channel {channel}"
+            )
+    assert len(chosen) > 150
+
+
+def test_bound_holds_at_every_pixel_and_is_met(rng: np.random.Generator) -> None:
+    """All pixels of a few triangles; somewhere each bound is nearly reached, so it is not slack."""
+    formats = Formats(num_channels=1, with_depth=0)
+    vertices = rng.integers(0, 40 * 256, (25, 3, 2))
+    triangles = screen_triangles(vertices, formats, 40, 40, rng.uniform(0, 255, (25, 1, 6)))
+    primitives = setup_triangles(triangles, formats)
+    pixels = walk(primitives, formats)
+    errors = errors_at(triangles, primitives, formats, np.arange(len(pixels["x"])), pixels)[:, 0]
+    ratios = []
+    for primitive, bound in enumerate(primitives.bound[:, 0]):
+        most = max(errors[pixels["primitive"] == primitive])
+        assert most <= Fraction(bound)
+        ratios.append(float(most) / bound)
+    assert np.median(ratios) > 0.7
+
+
+def test_output_is_within_half_and_the_bound(rng: np.random.Generator) -> None:
+    """Dropping the fraction rounds: |output - clamp(exact)| <= 1/2 + bound, with words of few bits too."""
+    formats = Formats(num_channels=1, with_depth=0, word_width=16, frac_bits=6)
+    triangles = screen_triangles(
+        rng.integers(0, 12 * 256, (60, 3, 2)), formats, 12, 12, rng.uniform(0, 255, (60, 1, 6))
+    )
+    primitives = setup_triangles(triangles, formats)
+    pixels = walk(primitives, formats)
+    words = stepped_values(primitives, pixels, formats)[:, 0]
+    for index, word in enumerate(words.tolist()):
+        primitive = int(pixels["primitive"][index])
+        triangle = int(primitives.triangle[primitive])
+        x, y = (Fraction(256 * (2 * int(pixels[axis][index]) + 1), 2) for axis in "xy")
+        exact = exact_quadratic(triangles.vertices[triangle], triangles.samples[triangle, 0], 2)(x, y)
+        got, want = min(max(word >> 6, 0), 255), min(max(exact, 0), 255)
+        assert abs(got - want) <= Fraction(1, 2) + Fraction(primitives.bound[primitive, 0])
+
+
+@given(
+    st.lists(st.integers(-(2**31), 2**31 - 1), min_size=6, max_size=6),
+    st.integers(0, 40),
+    st.integers(0, 40),
+    st.integers(0, 40),
+)
+def test_steps_are_the_polynomial(words: list[int], m: int, carries: int, n: int) -> None:
+    """The hardware's additions give the polynomial of which the words are the forward differences."""
+    formats = Formats(num_channels=1, with_depth=0)
+    carries = min(carries, m)
+    primitives = Primitives(
+        np.zeros(1), {"fractional": np.zeros(1, np.int64)}, {}, np.full((1, 1), 2), np.array([[words]])
+    )
+    pixels = {"primitive": [0], "x": [0], "m": [m], "n": [n], "n_lattice": [carries + n]}
+    pixels = {key: np.array(value) for key, value in pixels.items()}
+    value, d_row, d_col, dd_row, dd_mixed, dd_col = words
+    column = carries + n
+    want = value + m * d_row + m * (m - 1) // 2 * dd_row + column * d_col
+    want += m * column * dd_mixed + column * (column + 1) // 2 * dd_col
+    got = int(stepped_values(primitives, pixels, formats)[0, 0])
+    assert (got - want) % (1 << 32) == 0
+
+
+LARGE = {
+    "right": [(0, 0), (0, 1024), (1024, 1024)],
+    "left_leaning": [(1, 0), (0, 1024), (1024, 1023)],
+    "right_leaning": [(1023, 0), (1024, 1024), (0, 1023)],
+    "diagonal": [(0, 0), (1024, 1024), (1024, 1023)],
+    "flat_top": [(0, 0), (1024, 0), (511, 1024)],
+    "flat_bottom": [(1, 1024), (1024, 1024), (0, 0)],
+    "shallow": [(0, 0), (1024, 30), (500, 1024)],
+    "steep": [(1024, 0), (900, 1024), (0, 512)],
+}
+
+
+@pytest.mark.parametrize("shape", LARGE)
+def test_bound_of_large_triangles(shape: str, rng: np.random.Generator) -> None:
+    """Under 0.1 grey level at the default formats, whatever the words' fractions are, worst ones included."""
+    cut = cut_triangles(np.array([LARGE[shape]]) * 256, 1024, 1024, 8)
+    corners, fit, off = np.zeros((8, 2)), np.zeros(FIT_FIELDS), np.zeros(6)
+    count = region(cut.heads[0], cut.edges[0], False, corners)
+    fit_planes(corners, count, np.zeros((SAMPLE_POINTS, 5)), fit)
+    fractions = rng.uniform(0, 1, (4000, 6))
+    fractions[:64, 3:] = np.stack(np.meshgrid(*3 * [[0.49, 0.5, 0.51, 0.25]]), axis=-1).reshape(-1, 3)
+    worst = max(round_words(f, 2, corners, count, fit, True, off) for f in fractions)
+    assert worst * 2.0**-22 < 0.1
+
+
+def test_bound_of_random_large_triangles(rng: np.random.Generator) -> None:
+    formats = Formats()
+    vertices = rng.integers(0, 1024 * 256 + 1, (3000, 3, 2))
+    samples = rng.uniform(0, 255, (3000, 3, 6))
+    triangles = screen_triangles(vertices, formats, 1024, 1024, samples)
+    joint = setup_triangles(triangles, formats).bound[:, :3]
+    independent = setup_triangles(triangles, formats, rounding="independent").bound[:, :3]
+    assert joint.max() < 0.1
+    # What the joint rounding is for: between one and three bits.
+    assert np.median(independent / joint) > 4
+
+
+def test_paths_agree(rng: np.random.Generator) -> None:
+    """Floating point and integers give the same words, up to a unit where a rounding is close."""
+    formats = Formats(num_channels=1)
+    triangles = any_triangles(rng, 400, formats, 100)
+    fast = setup_triangles(triangles, formats, rounding="independent")
+    samples, orders = triangle_setup._checked_channels(triangles, formats)
+    cut = cut_triangles(triangles.vertices, 100, 100, 8)
+    words, bounds = np.zeros_like(fast.words), np.zeros_like(fast.bound)
+    again = np.ones(bounds.shape, dtype=bool)
+    triangle_setup._colour_exactly(
+        cut, triangles.vertices, samples, orders, formats, False, False, words, bounds, again
+    )
+    off = (words - fast.words + (1 << 31)) % (1 << 32) - (1 << 31)
+    assert (np.abs(off) <= 1).all()
+    assert (off != 0).mean() < 1e-3
+    assert (bounds <= fast.bound + 1e-12).all()
