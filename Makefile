@@ -102,8 +102,8 @@ netlist: setup ## write the core as one Verilog file below build/; GENERICS="str
 
 .PHONY: synth
 synth: setup ## clock and area for a DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f; SEEDS=5 GENERICS="..."
-	@JOBS=$(JOBS) $(VENV) scripts/synth.py run $(if $(DEVICE),--device $(DEVICE)) $(if $(BOARD),--board $(BOARD)) \
-	  --seeds $(SEEDS) $(GENERIC_OPTIONS)
+	@JOBS=$(JOBS) $(VENV) scripts/synth.py run --seeds $(SEEDS) $(GENERIC_OPTIONS) \
+	  $(if $(DEVICE),--device $(DEVICE)) $(if $(BOARD),--board $(BOARD))
 
 .PHONY: limits
 limits: setup ## the core beside a lone accumulator on every device of the table; writes synth/resources.json

@@ -43,4 +43,6 @@ def pytest_runtest_makereport(item: pytest.Item):
     outcome = yield
     report = outcome.get_result()
     if report.failed:
-        report.sections.append(("replay", f"make test T='{item.name}' SEED={SEED} WAVES=1"))
+        # pytest's -k takes no "=" in a name: its parts, all of which must occur, do the same.
+        name = item.name.replace("=", " and ").replace("[", " and ").replace("]", "")
+        report.sections.append(("replay", f"make test T='{name}' SEED={SEED} WAVES=1"))

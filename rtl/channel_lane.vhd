@@ -96,7 +96,8 @@ begin
     generic map (data_bits => 3 * word_width, depth => span_depth)
     port map (
       clk => clk, reset => reset, busy => open,
-      input_valid => walked_valid, input_ready => open, full_next => chain_full_next, input_data => walked_words,
+      input_valid => walked_valid, input_ready => open, full_next => chain_full_next,
+      input_data => walked_words,
       output_valid => span_valid, output_ready => span_taken, output_data => span_words
     );
 

@@ -5,7 +5,7 @@
 -- The low bits of the remainder never change, so there is no slope rounding and no drift.
 --
 -- Model: edge_dda.py.  Test: test_edge_dda.py.
--- Latency: 1 cycle to carry, 2 to column.  One scanline per cycle.
+-- Latency: 2 cycles, to carry and to column.  One scanline per cycle.
 -- One adder behind a multiplexer of its second operand was the first idea: 23 LUTs less, but the
 -- multiplexer and its select then stand in front of the carry chain; two adders and a choice do not.
 

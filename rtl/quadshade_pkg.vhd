@@ -172,9 +172,9 @@ package body quadshade_pkg is
       report "generic value_bits is " & integer'image(f.value_bits)
         & "; give a value from 1 to 16"
       severity failure;
-    assert f.depth_bits >= 1 and f.depth_bits <= 32
+    assert f.depth_bits >= 1 and f.depth_bits <= 31
       report "generic depth_bits is " & integer'image(f.depth_bits)
-        & "; give a value from 1 to 32"
+        & "; give a value from 1 to 31"
       severity failure;
     assert f.subpixel_bits >= 0 and f.subpixel_bits <= 12
       report "generic subpixel_bits is " & integer'image(f.subpixel_bits)

@@ -5,7 +5,7 @@
 --   a channel_lane for each channel
 --
 -- Model: raster_core.py.  Test: test_raster_core.py.
--- Latency: span_depth + 12 cycles from a packet's last beat to its first pixel.
+-- Latency: span_depth + 11 cycles from a packet's last beat to its first pixel.
 -- Throughput: one covered pixel per cycle while set-up words keep up; an empty scanline costs a cycle only
 -- where no full span hides it.
 
@@ -233,7 +233,8 @@ begin
     generic map (data_bits => span_bits, depth => span_depth)
     port map (
       clk => clk, reset => reset, busy => chain_busy,
-      input_valid => walked_valid, input_ready => open, full_next => chain_full_next, input_data => walked_span,
+      input_valid => walked_valid, input_ready => open, full_next => chain_full_next,
+      input_data => walked_span,
       output_valid => span_valid, output_ready => span_taken, output_data => span_data
     );
 

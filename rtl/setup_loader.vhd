@@ -101,6 +101,15 @@ architecture rtl of setup_loader is
     return v;
   end function;
 
+  -- The place before the edge section's last; a section of one beat has none, and does not read it.
+  function place_before_last return natural is
+  begin
+    if edge_beats = 1 then
+      return 0;
+    end if;
+    return edge_beats - 2;
+  end function;
+
   function writes_at_start return std_ulogic is
   begin
     if edge_beats = 1 then
@@ -224,8 +233,7 @@ begin
       v.edge_at(0) := done;
       v.writes_words := writes_at_start;
       if edge_beats > 1 then
-        v.writes_words := (state.writes_words or state.edge_at(minimum_of(edge_beats - 2, edge_beats - 1)))
-          and not done;
+        v.writes_words := (state.writes_words or state.edge_at(place_before_last)) and not done;
       end if;
     end if;
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a user does by accident: files that collide, devices, Ctrl-C, warnings of libraries, numbers too large."""
+"""What a user does by accident: colliding files, devices, Ctrl-C, libraries that warn, numbers too large."""
 
 from __future__ import annotations
 

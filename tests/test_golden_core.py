@@ -55,7 +55,7 @@ def assert_equal(words: np.ndarray, formats: Formats) -> int:
 
 @pytest.mark.parametrize("formats", FORMATS, ids=changed)
 def test_fast_equals_scalar_on_triangles(formats: Formats, rng: np.random.Generator) -> None:
-    assert assert_equal(triangle_words(formats, rng, 42), formats) > 40
+    assert assert_equal(triangle_words(formats, rng, 42), formats) > 10
 
 
 @pytest.mark.parametrize("formats", FORMATS, ids=changed)

@@ -137,3 +137,24 @@ def test_word_too_narrow() -> None:
     wide = screen_triangles(corners, formats, samples=samples)
     with pytest.raises(QuadshadeError, match="triangle 0: channel 0 may not fit its word of 12 bits"):
         setup_triangles(wide, formats, rounding="independent")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    (
+        ("vertices", np.zeros((1, 3, 3), np.int64), r"vertices has shape \(1, 3, 3\)"),
+        ("vertices", np.zeros((1, 3, 2)), "vertices are float64"),
+        ("depth", np.zeros((2, 3)), r"depth has shape \(2, 3\)"),
+    ),
+)
+def test_arrays_of_another_shape_are_refused(field: str, value: np.ndarray, message: str) -> None:
+    given = triangles(BIG)
+    setattr(given, field, value)
+    with pytest.raises(QuadshadeError, match=message):
+        setup_triangles(given, FORMATS)
+
+
+@pytest.mark.parametrize("value", (2.5, "8", None))
+def test_generics_are_whole_numbers(value: object) -> None:
+    with pytest.raises(QuadshadeError, match="generic num_channels is .*whole number"):
+        Formats(num_channels=value)

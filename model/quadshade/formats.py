@@ -9,6 +9,7 @@ expression over the names of :class:`Formats`, written so that it means the same
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from numbers import Integral
 
 from quadshade.errors import QuadshadeError
 
@@ -99,7 +100,7 @@ GENERIC_RANGES = (
     ("with_depth", "0", "1", "1"),
     ("word_width", "12", "60", "1"),
     ("value_bits", "1", "16", "1"),
-    ("depth_bits", "1", "32", "1"),
+    ("depth_bits", "1", "31", "1"),
     ("subpixel_bits", "0", "12", "1"),
     ("coord_bits", "3", "13", "1"),
     ("span_depth", "1", "16", "1"),
@@ -141,6 +142,9 @@ class Formats:
 
     def check(self) -> None:
         """Raise :class:`QuadshadeError` naming the first generic that is out of range."""
+        for name, value in self.generics().items():
+            if not isinstance(value, Integral):
+                raise QuadshadeError(f"generic {name} is {value!r}", "give a whole number")
         for name, values in GENERIC_CHOICES:
             got = getattr(self, name)
             if got not in values:

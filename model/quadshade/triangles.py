@@ -77,7 +77,8 @@ class Drawing:
     pixels : Pixels
     stats : dict
       ``engine``, ``clocks`` (first set-up word accepted to last pixel out, stream always valid, sink always
-      ready), ``pixels``, ``triangles`` (drawn by at least one packet), ``packets``, ``words`` (32-bit lanes).
+      ready), ``pixels``, ``triangles`` (all that were given), ``triangles_drawn`` (by at least one packet),
+      ``packets``, ``words`` (32-bit lanes).
     """
 
     pixels: Pixels

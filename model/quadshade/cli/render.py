@@ -132,12 +132,12 @@ def render(
         if not scene.startswith(("sphere:", "torus:")):
             import trimesh  # noqa: F401 - what reads it takes it from there
 
-    # Phong shading needs the engine's coverage only, and is the host's own work.
+    # Phong shading is the host's own work: of the engine it needs coverage and depth only.
     engine = engine or ("model" if shading == "phong" else default_engine())
     formats = Formats().with_generics(parse_generics(generics))
     width, height = _parse_size(size)
     check_size(width, height, formats)
-    _check_choices(output, engine, shading, formats)
+    _check_choices(output, shading, formats)
     check_writable(output, stats, waves, inputs=[Path(scene)])
     lights = tuple(parse_light(text) for text in light_texts) or None
     surface = parse_material(
@@ -209,12 +209,10 @@ def _stats(drawing: Drawing, scene: str, shading: str, faces: int, shown: np.nda
     }
 
 
-def _check_choices(output: Path, engine: str, shading: str, formats: Formats) -> None:
+def _check_choices(output: Path, shading: str, formats: Formats) -> None:
     """Refuse options that contradict each other before any work is done."""
     if output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
-    if shading == "phong" and engine != "model":
-        raise QuadshadeError(f"phong is not drawn by the engine {engine}", "use --engine model")
     if formats.num_channels != COLOUR_CHANNELS:
         raise QuadshadeError(
             f"generic num_channels is {formats.num_channels}", f"a picture needs {COLOUR_CHANNELS}"

@@ -49,13 +49,14 @@ def draw_words(
     QuadshadeError
       Unknown engine, a stream that ends within a packet, a missing simulator, waves without one.
     """
-    if engine == "ghdl":
-        return draw_ghdl(words, formats, waves)
     if engine not in ENGINES:
         raise QuadshadeError(f"there is no engine {engine!r}", f"the engines are {', '.join(ENGINES)}")
+    if engine == "ghdl" and (waves is not None or len(words)):
+        return draw_ghdl(words, formats, waves)
     if waves is not None:
         raise QuadshadeError(f"the engine {engine} has no waves", "use --engine ghdl")
-    if engine == "verilator":
+    # Without words nothing is drawn, and nothing need be compiled for it.
+    if engine == "verilator" and len(words):
         return draw_verilator(words, formats)
     return draw_fast(words, formats)
 

@@ -199,7 +199,20 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
 
 
 def _check_geometry(triangles: ScreenTriangles, formats: Formats) -> None:
-    """Screen and vertices within what the core's coordinates can hold."""
+    """Arrays of the right shape, screen and vertices within what the core's coordinates can hold."""
+    count = len(triangles)
+    wanted = {"vertices": (count, 3, 2)}
+    if triangles.depth is not None:
+        wanted["depth"] = (count, 3)
+    for name, shape in wanted.items():
+        if np.shape(getattr(triangles, name)) != shape:
+            raise QuadshadeError(
+                f"the triangles' {name} has shape {np.shape(getattr(triangles, name))}", f"give {shape}"
+            )
+    if not np.issubdtype(np.asarray(triangles.vertices).dtype, np.integer):
+        raise QuadshadeError(
+            f"the triangles' vertices are {np.asarray(triangles.vertices).dtype}", "give whole sub-pixels"
+        )
     largest = 1 << formats.coord_bits
     if not (1 <= triangles.width <= largest and 1 <= triangles.height <= largest):
         raise QuadshadeError(
