@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Spend where it shows: which triangles need a higher order or division, for an allowed error or a budget."""
+
+from quadshade.adapt.centre_test import centre_error, centre_subdivision
+from quadshade.adapt.cho import Adapted, highlight_subdivision, regular_subdivision
+from quadshade.adapt.highlight import (
+    highlight_centres,
+    highlight_possible,
+    potentially_highlighted,
+    with_neighbours,
+)
+from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
+
+__all__ = [
+    "Adapted",
+    "centre_error",
+    "centre_subdivision",
+    "highlight_centres",
+    "highlight_possible",
+    "highlight_subdivision",
+    "insert_vertices",
+    "potentially_highlighted",
+    "refine",
+    "regular_subdivision",
+    "shared_edges",
+    "split_edges",
+    "with_neighbours",
+]
