@@ -16,6 +16,7 @@ from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives
 from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_planes, region, round_words
 from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.setup.words import Colours, colour_exactly
 from quadshade.triangles import ScreenTriangles
 from setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
 
@@ -224,9 +225,8 @@ def test_paths_agree(rng: np.random.Generator) -> None:
     cut = cut_triangles(triangles.vertices, 100, 100, 8)
     words, bounds = np.zeros_like(fast.words), np.zeros_like(fast.bound)
     again = np.ones(bounds.shape, dtype=bool)
-    triangle_setup._colour_exactly(
-        cut, triangles.vertices, samples, orders, formats, False, False, words, bounds, again
-    )
+    colours = Colours(triangles.vertices, samples, orders, formats, False, False)
+    colour_exactly(cut, colours, words, bounds, again)
     off = (words - fast.words + (1 << 31)) % (1 << 32) - (1 << 31)
     assert (np.abs(off) <= 1).all()
     assert (off != 0).mean() < 1e-3

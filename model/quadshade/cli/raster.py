@@ -20,12 +20,11 @@ from quadshade.cli.options import (
     write_atomically,
     write_json,
 )
+from quadshade.cli.setup_options import SAMPLED, setup_options, undefined_note
 from quadshade.engine import default_engine, draw
 from quadshade.errors import QuadshadeError
 from quadshade.triangle_file import open_triangles
 from quadshade.triangles import Pixels
-
-STEPPINGS = ("centre", "fractional")
 
 
 def write_pixels(path: Path, pixels: Pixels) -> None:
@@ -47,13 +46,7 @@ def write_pixels(path: Path, pixels: Pixels) -> None:
 @click.argument("triangles_path", metavar="TRIANGLES.json", type=PATH)
 @click.option("-o", "--output", required=True, type=PATH, help="Where the pixels go, e.g. pixels.npz.")
 @engine_option
-@click.option(
-    "--stepping",
-    type=click.Choice(STEPPINGS),
-    default="centre",
-    show_default=True,
-    help="Colour at pixel centres, or stepped along the fractional major edge as in the paper.",
-)
+@setup_options(SAMPLED)
 @stats_option
 @waves_option
 @generic_option
@@ -61,17 +54,17 @@ def raster(
     triangles_path: Path,
     output: Path,
     engine: str | None,
-    stepping: str,
     stats: Path | None,
     waves: Path | None,
     generics: tuple[str, ...],
+    setup_choice: dict,
 ) -> None:
     """Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them."""
     engine = engine or default_engine()
     check_writable(output, stats, waves, inputs=[triangles_path])
     triangles, formats = open_triangles(triangles_path, parse_generics(generics))
     try:
-        drawing = draw(triangles, formats, engine, waves=waves, fractional=stepping == "fractional")
+        drawing = draw(triangles, formats, engine, waves, **setup_choice)
         write_pixels(output, drawing.pixels)
     except MemoryError:
         raise QuadshadeError(
@@ -83,4 +76,5 @@ def raster(
     click.echo(
         f"{output}: {len(drawing.pixels)} pixels of {len(triangles)} triangles, "
         f"{drawing.stats['clocks']} clocks ({engine})"
+        f"{undefined_note(drawing.stats, setup_choice['method'])}"
     )

@@ -25,6 +25,7 @@ from quadshade.cli.options import (
     write_atomically,
     write_json,
 )
+from quadshade.cli.setup_options import SETUPS, check_method, setup_options, undefined_note
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, Formats
 from quadshade.shading.sample import SHADING_ORDERS
@@ -89,6 +90,7 @@ COLOUR_CHANNELS = 3
 @click.option(
     "--background", default="0", metavar="R,G,B", help="0..1; one number is grey.  [default: black]"
 )
+@setup_options(SETUPS)
 @stats_option
 @waves_option
 @generic_option
@@ -109,6 +111,7 @@ def render(
     stats: Path | None,
     waves: Path | None,
     generics: tuple[str, ...],
+    setup_choice: dict,
 ) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
@@ -138,6 +141,7 @@ def render(
     width, height = _parse_size(size)
     check_size(width, height, formats)
     _check_choices(output, shading, formats)
+    check_method(setup_choice["method"], shading)
     check_writable(output, stats, waves, inputs=[Path(scene)])
     lights = tuple(parse_light(text) for text in light_texts) or None
     surface = parse_material(
@@ -151,12 +155,15 @@ def render(
     if not formats.with_depth:
         projected = projected.back_to_front()
     with _progress(f"drawing {len(projected)} triangles with the engine {engine}"):
-        drawing, shown, value = _draw(projected, shading, lights, surface, formats, engine, waves)
+        drawing, shown, value = _draw(
+            projected, shading, lights, surface, formats, engine, waves, setup_choice
+        )
     picture = paint(shown, value, ground, (1 << formats.value_bits) - 1)
     write_atomically(output, lambda temporary: write_png(temporary, picture))
     if stats is not None:
         write_json(stats, _stats(drawing, scene, shading, len(mesh), shown))
     clocks = "" if shading == "phong" else f", {drawing.stats['clocks']} clocks"
+    clocks += undefined_note(drawing.stats, setup_choice["method"])
     click.echo(
         f"{output}: {width}x{height}, {len(projected)} triangles, {len(drawing.pixels)} pixels{clocks}"
     )
@@ -170,6 +177,7 @@ def _draw(
     formats: Formats,
     engine: str,
     waves: Path | None,
+    setup_choice: dict,
 ) -> tuple[Drawing, np.ndarray, np.ndarray]:
     """What the engine drew, which of its pixels are seen, and their colours."""
     from quadshade.engine import draw
@@ -177,8 +185,9 @@ def _draw(
     from quadshade.shading import sample
     from quadshade.shading.reference import phong
 
-    triangles = sample(projected, "flat" if shading == "phong" else shading, lights, surface, formats)
-    drawing = draw(triangles, formats, engine, waves)
+    order = "flat" if shading == "phong" else shading
+    triangles = sample(projected, order, lights, surface, formats, setup_choice["method"] == "xshading")
+    drawing = draw(triangles, formats, engine, waves, **setup_choice)
     pixels = drawing.pixels
     shown = visible(pixels, projected.width, projected.height)
     if shading != "phong":

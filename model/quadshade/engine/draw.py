@@ -13,7 +13,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.golden.fast import EmittedPixels, draw_fast
 from quadshade.setup.packet import pack
-from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.triangles import Drawing, Pixels, ScreenTriangles
 
 ENGINES = ("model", "ghdl", "verilator")
@@ -67,6 +67,10 @@ def draw(
     engine: str = "model",
     waves: Path | None = None,
     fractional: bool = False,
+    rounding: str = "joint",
+    method: str = "unit",
+    limit: float | None = MAX_ERROR,
+    strict: bool = False,
 ) -> Drawing:
     """
     Set triangles up and draw them.
@@ -81,6 +85,8 @@ def draw(
       GHW file to write; needs an engine that simulates VHDL.
     fractional : bool
       Step colour at the fractional edge, as in the loop of Abbas et al., section 5, not at pixel centres.
+    rounding, method, limit, strict
+      As for :func:`quadshade.setup.triangle_setup.setup_triangles`; the limit is half a grey level.
 
     Returns
     -------
@@ -91,7 +97,7 @@ def draw(
     QuadshadeError
       A triangle out of range, or what :func:`draw_words` raises.
     """
-    primitives = setup_triangles(triangles, formats, fractional=fractional)
+    primitives = setup_triangles(triangles, formats, fractional, rounding, method, limit, strict)
     words = pack(primitives, formats)
     emitted = draw_words(words, formats, engine, waves)
     triangle = primitives.triangle[emitted.packet].astype(np.int32)
@@ -105,6 +111,8 @@ def draw(
         "packets": len(primitives),
         "words": len(words),
         "clocks_per_pixel": emitted.clocks / len(triangle) if len(triangle) else 0.0,
+        "bound": float(primitives.bound[:, :colours].max(initial=0.0)),
+        "triangles_undefined": len(np.unique(primitives.triangle[primitives.undefined])),
         "generics": formats.generics(),
     }
     depth = emitted.value[:, colours] if formats.with_depth and triangles.depth is not None else None

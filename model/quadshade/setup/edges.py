@@ -28,7 +28,7 @@ TRIANGLE, FIRST_Y, ROWS_FIRST, ROWS_SECOND, MIRROR, MAJOR_TOP, MAJOR_BOTTOM, HEA
 COLUMN, REMAINDER, STEP, INCREMENT, HEIGHT, STATE_FIELDS = range(6)
 # Columns of a side's runs: the scanlines [START, END), m at START, dx, dy, the edge's two vertices (-1: the
 # border).
-_START, _END, _M, _DX, _DY, _TOP, _BOTTOM, _RUN_FIELDS = range(8)
+_START, _END, _M, _DX, _DY, _TOP, _BOTTOM, RUN_FIELDS = range(8)
 
 MAX_RUNS = 6
 """A side is at most two edges, each at most border, edge, border."""
@@ -245,7 +245,7 @@ def _cut_inside(index, corners, bits, heads, edges, count):
     """
     Append the one primitive of a triangle that lies on the screen, if it has a pixel.
 
-    The same as :func:`_cut_one`, where no side meets the border: the long edge is the major one if the other
+    The same as :func:`cut_one`, where no side meets the border: the long edge is the major one if the other
     side's knee lies between its scanlines, else the left one.
     """
     top, middle, bottom, area = _sorted(corners)
@@ -286,7 +286,7 @@ def _cut_inside(index, corners, bits, heads, edges, count):
 
 
 @njit(cache=True)
-def _cut_one(index, corners, bits, width, height, left, right, heads, edges, count):
+def cut_one(index, corners, bits, width, height, left, right, heads, edges, count):
     """Append the primitives of one triangle; the longest possible one first, which gives the least number."""
     first, end, left_count, right_count = _sides(corners, bits, width, height, left, right)
     y = _next_covered(left, right, first, end, width)
@@ -325,8 +325,8 @@ def _cut_one(index, corners, bits, width, height, left, right, heads, edges, cou
 @njit(cache=True)
 def _cut(vertices, start, bits, width, height, heads, edges):
     """Cut triangles from start on until the tables are full; returns the next triangle, the rows written."""
-    left = np.zeros((MAX_RUNS, _RUN_FIELDS), np.int64)
-    right = np.zeros((MAX_RUNS, _RUN_FIELDS), np.int64)
+    left = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
+    right = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
     count = 0
     for index in range(start, len(vertices)):
         if count + MAX_PRIMITIVES > len(heads):
@@ -335,7 +335,7 @@ def _cut(vertices, start, bits, width, height, heads, edges):
         if _inside(corners, width << bits, height << bits):
             count = _cut_inside(index, corners, bits, heads, edges, count)
         else:
-            count = _cut_one(index, corners, bits, width, height, left, right, heads, edges, count)
+            count = cut_one(index, corners, bits, width, height, left, right, heads, edges, count)
     return len(vertices), count
 
 

@@ -7,12 +7,13 @@ counted from the triangle's first vertex (Abbas et al., equation 4; A, C, B, D, 
 equation 7), for one directional light L:
 
 ``abbas``             the formulas of Abbas et al., section 3, as printed, from six samples
+``general``           their six equations (Barrera et al., equations 8-11) by elimination with pivots
 ``unit_triangle``     Barrera et al., equations 16 and 18-22, from six samples
 ``x_shading``         equation 32 instead of 16: from the vertex normals, no sample between them
 ``x_shading_stored``  the same with Ni . Nj - 1 stored with the mesh, as their section 4 proposes: a mesh that
                       moves or turns keeps them
 
-The first two take their samples as Barrera et al. count them in Table 1: L . N at the vertices, and in the
+The first three take their samples as Barrera et al. count them in Table 1: L . N at the vertices, and in the
 middles of the edges with the normal ``(N1 + N2) / |N1 + N2|`` (equations 1-6).
 
 Abbas et al. divide by Y2 squared: a triangle whose first two vertices are at one height has no coefficients.
@@ -95,6 +96,45 @@ def _abbas(samples, legs):
 
 
 @njit(cache=True, error_model="numpy")
+def _general(samples, legs, rows):
+    """
+    T0 to T5 from six equations in six unknowns (Barrera et al., equations 8-11), with partial pivoting.
+
+    ``rows`` is room for them, (6, 7); its type is that of the arithmetic. Every product is of two of its
+    entries, so that no literal widens it.
+    """
+    for place in range(6):
+        first, second = (0, 1, 2, 0, 0, 1)[place], (0, 1, 2, 1, 2, 2)[place]
+        x = 0.5 * (_leg(legs, first, 0) + _leg(legs, second, 0))
+        y = 0.5 * (_leg(legs, first, 1) + _leg(legs, second, 1))
+        row = rows[place]
+        row[0], row[1], row[2], row[6] = 1.0, y, x, samples[place]
+        row[3], row[4], row[5] = row[1] * row[1], row[1] * row[2], row[2] * row[2]
+    for column in range(6):
+        pivot = column
+        for place in range(column + 1, 6):
+            if abs(rows[place, column]) > abs(rows[pivot, column]):
+                pivot = place
+        for entry in range(column, 7):
+            rows[column, entry], rows[pivot, entry] = rows[pivot, entry], rows[column, entry]
+        for place in range(column + 1, 6):
+            factor = rows[place, column] / rows[column, column]
+            for entry in range(column, 7):
+                rows[place, entry] -= factor * rows[column, entry]
+    for column in range(5, -1, -1):
+        for entry in range(column + 1, 6):
+            rows[column, 6] -= rows[column, entry] * rows[entry, 6]
+        rows[column, 6] /= rows[column, column]
+    return rows[0, 6], rows[1, 6], rows[2, 6], rows[3, 6], rows[4, 6], rows[5, 6]
+
+
+@njit(cache=True, error_model="numpy")
+def _leg(legs, corner, axis):
+    """x or y of a corner counted from the first; halves of their sums are exact, so nothing is lost here."""
+    return legs[2 * corner - 2 + axis] if corner else legs[0] - legs[0]
+
+
+@njit(cache=True, error_model="numpy")
 def _unit_triangle(samples):
     """2a to 2e, and f (Barrera et al., equation 16; doubled so that nothing need be halved later)."""
     i1, i2, i3, i12, i13, i23 = samples
@@ -157,6 +197,15 @@ def _run_abbas(vertices, normals, factors, light, out):
 
 
 @njit(cache=True, error_model="numpy")
+def _run_general(vertices, normals, factors, light, out):
+    towards = light[0], light[1], light[2]
+    rows = np.empty((6, 7))
+    for row in range(len(out)):
+        legs = _legs(vertices[row])
+        _put(out, row, _general(_six_samples(normals[row], towards), legs, rows))
+
+
+@njit(cache=True, error_model="numpy")
 def _run_unit_triangle(vertices, normals, factors, light, out):
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
@@ -189,6 +238,7 @@ def _run_x_shading_stored(vertices, normals, factors, light, out):
 
 METHODS = {
     "abbas": _run_abbas,
+    "general": _run_general,
     "unit_triangle": _run_unit_triangle,
     "x_shading": _run_x_shading,
     "x_shading_stored": _run_x_shading_stored,
@@ -198,17 +248,22 @@ Kernels of (n, 6) vertices, (n, 9) normals, (n, 3) factors, (3,) light, and the 
 The vertices come first in each, so that the division runs while the normals are multiplied.
 """
 
-FITS = {"abbas": 0, "unit_triangle": 1}
+FITS = {"abbas": 0, "general": 1, "unit_triangle": 2}
 """Methods that go through six samples."""
 
 
 @njit(cache=True, error_model="numpy")
-def _fit(vertices, samples, unit, out):
+def _fit(vertices, samples, which, rows, out):
     for row in range(len(out)):
         s = samples[row]
         six = s[0], s[1], s[2], s[3], s[4], s[5]
         legs = _legs(vertices[row])
-        _put(out, row, _on_screen(_unit_triangle(six), _slopes(legs)) if unit else _abbas(six, legs))
+        if which == 0:
+            _put(out, row, _abbas(six, legs))
+        elif which == 1:
+            _put(out, row, _general(six, legs, rows))
+        else:
+            _put(out, row, _on_screen(_unit_triangle(six), _slopes(legs)))
 
 
 def edge_factors(normals: np.ndarray) -> np.ndarray:
@@ -309,5 +364,5 @@ def fit(method: str, vertices: np.ndarray, samples: np.ndarray) -> np.ndarray:
         raise QuadshadeError(f"the method {method!r} fits no samples", f"give one of {', '.join(FITS)}")
     out = np.empty((len(samples), 6))
     flat = np.ascontiguousarray(vertices, dtype=np.float64).reshape(-1, 6)
-    _fit(flat, np.ascontiguousarray(samples, dtype=np.float64), FITS[method], out)
+    _fit(flat, np.ascontiguousarray(samples, dtype=np.float64), FITS[method], np.empty((6, 7)), out)
     return out

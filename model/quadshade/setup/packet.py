@@ -39,6 +39,9 @@ class Primitives:
       Planes in the order of ``formats.PLANES``; planes above a channel's order are zero.
     bound : (n, c) float64
       Upper bound of |value - exact quadratic| at any covered pixel before output rounding, in output units.
+    undefined : (n,) bool
+      A channel is drawn as 0, because its coefficients, by a method of the literature, are not finite or off
+      by more than half of full scale.
     """
 
     triangle: np.ndarray
@@ -47,6 +50,7 @@ class Primitives:
     orders: np.ndarray
     words: np.ndarray
     bound: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    undefined: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     def __len__(self) -> int:
         return len(self.triangle)

@@ -8,15 +8,7 @@ from numba import njit
 
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, ORDER_NAMES, PLANES_OF_ORDER, QUADRATIC, Formats
-from quadshade.setup.coefficients import (
-    FLOAT_LIMIT,
-    FRAME_FIELDS,
-    UNIT_ROUNDOFF,
-    exact_words,
-    float_words,
-    lattice_frame,
-    lattice_ratios,
-)
+from quadshade.setup.divide import beyond, divide
 from quadshade.setup.edges import (
     COLUMN,
     FIRST_Y,
@@ -32,61 +24,15 @@ from quadshade.setup.edges import (
     cut_triangles,
 )
 from quadshade.setup.packet import Primitives
-from quadshade.setup.quantise import (
-    FIT_FIELDS,
-    SAMPLE_POINTS,
-    carried_error,
-    fit_planes,
-    reach,
-    region,
-    round_words,
-)
+from quadshade.setup.terms import fit_terms
+from quadshade.setup.words import Colours, colour_words, words_by_terms
 from quadshade.triangles import ScreenTriangles
 
 ROUNDINGS = ("joint", "independent")
-
-
-@njit(cache=True)
-def _wrap(value, half):
-    """Two's complement of a word whose sign bit is worth ``half``, sign extended."""
-    return ((value + half) & (2 * half - 1)) - half
-
-
-@njit(cache=True, error_model="numpy")
-def _colour(
-    heads, edges, vertices, samples, orders, scales, pixel, fractional, joint, half, words, bounds, again
-):
-    """Words and bounds of all primitives; ``again`` marks those for which float64 is not good enough."""
-    corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit = np.zeros(FIT_FIELDS)
-    frame = np.zeros(FRAME_FIELDS, np.int64)
-    real, errors, fraction, off = np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6)
-    for p in range(len(heads)):
-        triangle = heads[p, TRIANGLE]
-        count = region(heads[p], edges[p], fractional, corners)
-        rows, columns = reach(corners, count)
-        if joint:
-            fit_planes(corners, count, scratch, fit)
-        lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional, frame)
-        ratios = lattice_ratios(frame)
-        for channel in range(len(scales)):
-            scale, order = scales[channel], orders[triangle, channel]
-            sample = samples[triangle, channel]
-            float_words(sample, order, ratios, scale, 0.5, rows > 0, columns >= 1, real, errors)
-            largest = 0.0
-            for plane in range(6):
-                largest = max(largest, abs(real[plane]))
-                fraction[plane] = real[plane] - np.floor(real[plane])
-            if not largest < FLOAT_LIMIT:
-                again[p, channel] = True
-                continue
-            carried = carried_error(rows, columns, errors)
-            bound = round_words(fraction, order, corners, count, fit, joint, off)
-            again[p, channel] = carried > 0.125 + bound / 16.0
-            bounds[p, channel] = (bound + carried) / scale
-            for plane in range(6):
-                # Floor and fraction are exact below FLOAT_LIMIT, so this is the integer that was chosen.
-                words[p, channel, plane] = _wrap(np.int64(np.rint(real[plane] + off[plane])), half)
+MAX_ERROR = 0.5
+"""Grey levels that the bound may be where a drawing is not told otherwise."""
+UNDEFINED = 4.0 / 3.0
+"""A channel drawn as 0 is at most this share of full scale off any quadratic through its samples."""
 
 
 @njit(cache=True)
@@ -121,45 +67,6 @@ def _first_misfit(heads, samples, orders, bounds, limits):
             if not (middle + stray < limits[channel] and middle - stray >= -limits[channel]):
                 return p, channel
     return -1, -1
-
-
-def _colour_exactly(
-    cut: Cut,
-    vertices: np.ndarray,
-    samples: np.ndarray,
-    orders: np.ndarray,
-    formats: Formats,
-    fractional: bool,
-    joint: bool,
-    words: np.ndarray,
-    bounds: np.ndarray,
-    again: np.ndarray,
-) -> None:
-    """Redo the marked primitives' words in integers (needles, wide words)."""
-    corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit, off = np.zeros(FIT_FIELDS), np.zeros(6)
-    frame = np.zeros(FRAME_FIELDS, np.int64)
-    errors = np.full(6, UNIT_ROUNDOFF)
-    half, frac_bits = 1 << (formats.word_width - 1), formats.channel_frac_bits
-    pixel = 1 << formats.subpixel_bits
-    for p in np.flatnonzero(again.any(axis=1)):
-        triangle = cut.heads[p, TRIANGLE]
-        corners_used = region(cut.heads[p], cut.edges[p], fractional, corners)
-        fit_planes(corners, corners_used, scratch, fit)
-        lattice_frame(vertices[triangle], cut.heads[p], cut.edges[p, 0], pixel, fractional, frame)
-        rows, columns = reach(corners, corners_used)
-        for channel in np.flatnonzero(again[p]):
-            order = orders[triangle, channel]
-            fraction, whole = exact_words(
-                samples[triangle, channel], order, frame, frac_bits[channel], rows > 0, columns >= 1
-            )
-            bound = round_words(fraction, order, corners, corners_used, fit, joint, off)
-            bound += carried_error(rows, columns, errors)
-            bounds[p, channel] = bound / 2.0 ** frac_bits[channel]
-            more = np.rint(fraction + off).astype(np.int64)
-            words[p, channel] = [
-                (w + int(r) + half) % (2 * half) - half for w, r in zip(whole, more, strict=True)
-            ]
 
 
 def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.ndarray, np.ndarray]:
@@ -243,8 +150,26 @@ def _check_words(
         )
 
 
+def _refuse_beyond(limit: float, cut: Cut, bounds: np.ndarray, names: tuple[str, ...]) -> None:
+    """Raise for the first triangle with a colour channel whose bound exceeds a limit."""
+    over = beyond(bounds, len(names), limit)
+    if over.any():
+        primitive, channel = np.argwhere(over)[0]
+        raise QuadshadeError(
+            f"triangle {cut.heads[primitive, TRIANGLE]}: channel {names[channel]} may be"
+            f" {bounds[primitive, channel]:.3g} grey levels off, more than {limit:g}",
+            "raise generic frac_bits, or leave --strict out",
+        )
+
+
 def setup_triangles(
-    triangles: ScreenTriangles, formats: Formats, fractional: bool = False, rounding: str = "joint"
+    triangles: ScreenTriangles,
+    formats: Formats,
+    fractional: bool = False,
+    rounding: str = "joint",
+    method: str = "unit",
+    limit: float | None = None,
+    strict: bool = False,
 ) -> Primitives:
     """
     Set up triangles: what the hardware needs to draw them, and how far from exact it will be.
@@ -259,53 +184,48 @@ def setup_triangles(
       those positions.
     rounding : {"joint", "independent"}
       Joint: lower orders absorb what higher ones lost. Independent: each word to its nearest.
+    method : str
+      Where the coefficients of quadratic channels come from, one of :data:`quadshade.setup.terms.SETUPS`.
+      ``xshading`` is ``unit`` here: it differs in its samples.
+    limit : float, optional
+      Most that the bound of a colour channel may be, in output units. A triangle beyond it is divided: drawn
+      by several primitives, each of a part of the screen. With ``fractional`` it is not, because there a
+      part's own major edge would decide where colour is sampled.
+    strict : bool
+      Refuse such a triangle instead.
 
     Returns
     -------
     Primitives
-      In triangle order, top to bottom within a triangle. Triangles without a pixel on the screen have none.
-      Words are two's complement of ``word_width`` bits, sign extended. Depth, the last channel, is constant 0
-      where none is given.
+      In triangle order, top to bottom within a triangle that is not divided. Triangles without a pixel on the
+      screen have none. Words are two's complement of ``word_width`` bits, sign extended. Depth, the last
+      channel, is constant 0 where none is given.
 
     Raises
     ------
     QuadshadeError
       A vertex outside the guard band, a sample out of range or not finite, an order or number of channels
       that the core is not built for, a screen larger than its coordinates, a word too narrow for the
-      triangle.
+      triangle, a limit that is exceeded (``strict``) or that no division meets.
     """
     if rounding not in ROUNDINGS:
         raise QuadshadeError(f"rounding is {rounding!r}", f"give one of {', '.join(ROUNDINGS)}")
     _check_geometry(triangles, formats)
     samples, orders = _checked_channels(triangles, formats)
     vertices = np.ascontiguousarray(triangles.vertices, dtype=np.int64)
+    terms = fit_terms(method, vertices, samples, formats.subpixel_bits)
+    colours = Colours(vertices, samples, orders, formats, fractional, rounding == "joint", terms)
     cut = cut_triangles(vertices, triangles.width, triangles.height, formats.subpixel_bits)
-    count, carried = len(cut.heads), formats.carried_channels
-    words = np.zeros((count, carried, 6), dtype=np.int64)
-    bounds = np.zeros((count, carried))
-    again = np.zeros((count, carried), dtype=np.bool_)
-    scales = 2.0 ** np.array(formats.channel_frac_bits)
-    pixel, joint = 1 << formats.subpixel_bits, rounding == "joint"
-    half = 1 << (formats.word_width - 1)
-    _colour(
-        cut.heads,
-        cut.edges,
-        vertices,
-        samples,
-        orders,
-        scales,
-        pixel,
-        fractional,
-        joint,
-        half,
-        words,
-        bounds,
-        again,
-    )
-    if again.any():
-        _colour_exactly(cut, vertices, samples, orders, formats, fractional, joint, words, bounds, again)
-    bounds *= 1.0 + 2.0**-40
+    words, bounds = colour_words(cut, colours)
+    if limit is not None and not (strict or fractional):
+        cut, words, bounds = divide(cut, words, bounds, limit, colours, triangles.width, triangles.height)
+    undefined = np.zeros(bounds.shape, dtype=np.bool_)
+    if terms is not None:
+        undefined = words_by_terms(cut, colours, words, bounds)
     _check_words(cut, samples, orders, bounds, formats)
+    bounds[undefined] = 2.0**formats.value_bits * UNDEFINED
+    if limit is not None and strict:
+        _refuse_beyond(limit, cut, bounds, triangles.channels)
     heads = cut.heads
     header = {
         "y": heads[:, FIRST_Y],
@@ -313,7 +233,7 @@ def setup_triangles(
         "rows_second": heads[:, ROWS_SECOND],
         "has_second": (heads[:, ROWS_SECOND] > 0).astype(np.int64),
         "mirror": heads[:, MIRROR],
-        "fractional": np.full(count, int(fractional), dtype=np.int64),
+        "fractional": np.full(len(heads), int(fractional), dtype=np.int64),
     }
     edges = {}
     for index, name in enumerate(("major", "minor", "second")):
@@ -325,4 +245,5 @@ def setup_triangles(
             "increment": state[INCREMENT],
             "decrement": state[INCREMENT] - state[HEIGHT],
         }
-    return Primitives(heads[:, TRIANGLE].copy(), header, edges, orders[heads[:, TRIANGLE]], words, bounds)
+    owners = heads[:, TRIANGLE].copy()
+    return Primitives(owners, header, edges, orders[owners], words, bounds, undefined.any(axis=1))

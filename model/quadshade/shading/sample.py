@@ -34,6 +34,7 @@ def sample(
     lights: Sequence[Light] | None = None,
     material: Material | None = None,
     formats: Formats | None = None,
+    x_shading: bool = False,
 ) -> ScreenTriangles:
     """
     Shade each triangle at the points that its order needs (Abbas et al., section 3).
@@ -48,6 +49,8 @@ def sample(
     material : Material, optional
     formats : Formats, optional
       Gives the largest value and whether there is a depth channel.
+    x_shading : bool
+      Middles of edges take their normals from :func:`middle_normals` (quadratic shading).
 
     Returns
     -------
@@ -70,7 +73,8 @@ def sample(
     samples = np.zeros((count, len(CHANNELS), len(SAMPLE_POINTS)))
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
-        light = reflected(projected, np.arange(count)[rows], points, lights, material)
+        normal = middle_normals(projected.normal[rows]) if x_shading and order == QUADRATIC else None
+        light = reflected(projected, np.arange(count)[rows], points, lights, material, normal)
         samples[rows, :, : len(points)] = full_scale(light, formats).transpose(0, 2, 1)
     return ScreenTriangles(
         projected.width,
@@ -94,6 +98,7 @@ def reflected(
     barycentric: np.ndarray,
     lights: Sequence[Light],
     material: Material,
+    normal: np.ndarray | None = None,
 ) -> np.ndarray:
     """
     Light reflected at points of triangles, with interpolated and normalised normals.
@@ -106,6 +111,8 @@ def reflected(
       On the screen; positions and normals are interpolated with perspective.
     lights : sequence of lights
     material : Material
+    normal : (m, k, 3) float, optional
+      Normals to take instead of interpolated ones.
 
     Returns
     -------
@@ -119,10 +126,30 @@ def reflected(
         return _interpolate(corners, triangle, share)
 
     point = at_points(projected.position)
-    normal = unit(at_points(projected.normal))
+    normal = unit(at_points(projected.normal)) if normal is None else normal.reshape(-1, 3)
     base = None if projected.colour is None else at_points(projected.colour)
     to_viewer = projected.axes[2] if projected.eye is None else unit(projected.eye - point)
     return material.reflect(lights, point, normal, to_viewer, base).reshape(share.shape)
+
+
+def middle_normals(corners: np.ndarray) -> np.ndarray:
+    """
+    Normals of X-shading: no square root between the vertices (Barrera et al., equation 27).
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) float
+      Normals at the vertices, of any length.
+
+    Returns
+    -------
+    (n, 6, 3) float64
+      N1, N2, N3 at unit length, then ``(Ni + Nj) (5 - Ni . Nj) / 8`` of the edges 12, 13, 23.
+    """
+    normals = unit(np.ascontiguousarray(corners, dtype=np.float64).reshape(-1, 3)).reshape(-1, 3, 3)
+    one, two = normals[:, [0, 0, 1]], normals[:, [1, 2, 2]]
+    middles = (one + two) * (5 - np.einsum("nei,nei->ne", one, two)[..., None]) / 8
+    return np.concatenate([normals, middles], axis=1)
 
 
 @njit(cache=True, error_model="numpy")
