@@ -291,8 +291,9 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
     ]
 
     def make(folder: Path) -> None:
-        files = ["--json", mapped / "harness.json", "--report", "report.json", "--log", "nextpnr.log"]
-        run_tool([*command, *files], folder)
+        # By a relative path: the WebAssembly nextpnr has a /tmp of its own.
+        harness = os.path.relpath(mapped / "harness.json", folder)
+        run_tool([*command, "--json", harness, "--report", "report.json", "--log", "nextpnr.log"], folder)
 
     name = _hash(mapped.name, *command, tool_version(command[0]))
     folder = once(root / "build" / "synth" / "placed", name, make)
