@@ -120,7 +120,7 @@ def test_default_engine_without_tools(tmp_path: Path, monkeypatch: pytest.Monkey
     with pytest.raises(
         QuadshadeError, match="ghdl is not installed; run `make setup`, or use --engine model"
     ):
-        draw_words(np.zeros(0, np.uint32), Formats(), "verilator")
+        draw_words(np.ones(1, np.uint32), Formats(), "verilator")
 
 
 def test_has_no_waves(tmp_path: Path) -> None:
