@@ -45,6 +45,10 @@ throughput: setup ## measure clocks per pixel in simulation, write docs/reports/
 hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) scripts/hostspeed.py
 
+.PHONY: stability
+stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
+	@$(VENV) scripts/stability.py
+
 .PHONY: simspeed
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
 	@$(VENV) scripts/simspeed.py

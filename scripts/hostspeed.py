@@ -298,10 +298,10 @@ def report(results: dict) -> str:
     explained = {
         "Set-ups": """
 From vertices, normals and a directional light to the six coefficients (`model/quadshade/setup/methods.py`),
-counted as in Barrera et al., Table 1: the first two methods compute and normalise the normals in the middles
-of the edges, as printed (their equations 1-6). `x_shading` is their equation 32; `x_shading_stored` takes
-Ni · Nj from the mesh, as their section 4 proposes. What three square roots and divisions less are worth
-depends on the processor: theirs was a Pentium 4.
+counted as in Barrera et al., Table 1: the first three compute and normalise the normals in the middles of
+the edges, as printed (their equations 1-6); `general` solves six equations by elimination. `x_shading` is
+their equation 32; `x_shading_stored` takes Ni · Nj from the mesh, as their section 4 proposes. What three
+square roots and divisions less are worth depends on the processor: theirs was a Pentium 4.
 """,
         "Host path": f"""
 Transform, light six points, set up and quantise, pack: {path}, quadratic RGB with

@@ -27,6 +27,7 @@ import numpy as np
 from numba import njit
 
 from quadshade.errors import QuadshadeError
+from quadshade.setup.general_solution import general
 
 
 @njit(cache=True, error_model="numpy")
@@ -96,45 +97,6 @@ def _abbas(samples, legs):
 
 
 @njit(cache=True, error_model="numpy")
-def _general(samples, legs, rows):
-    """
-    T0 to T5 from six equations in six unknowns (Barrera et al., equations 8-11), with partial pivoting.
-
-    ``rows`` is room for them, (6, 7); its type is that of the arithmetic. Every product is of two of its
-    entries, so that no literal widens it.
-    """
-    for place in range(6):
-        first, second = (0, 1, 2, 0, 0, 1)[place], (0, 1, 2, 1, 2, 2)[place]
-        x = 0.5 * (_leg(legs, first, 0) + _leg(legs, second, 0))
-        y = 0.5 * (_leg(legs, first, 1) + _leg(legs, second, 1))
-        row = rows[place]
-        row[0], row[1], row[2], row[6] = 1.0, y, x, samples[place]
-        row[3], row[4], row[5] = row[1] * row[1], row[1] * row[2], row[2] * row[2]
-    for column in range(6):
-        pivot = column
-        for place in range(column + 1, 6):
-            if abs(rows[place, column]) > abs(rows[pivot, column]):
-                pivot = place
-        for entry in range(column, 7):
-            rows[column, entry], rows[pivot, entry] = rows[pivot, entry], rows[column, entry]
-        for place in range(column + 1, 6):
-            factor = rows[place, column] / rows[column, column]
-            for entry in range(column, 7):
-                rows[place, entry] -= factor * rows[column, entry]
-    for column in range(5, -1, -1):
-        for entry in range(column + 1, 6):
-            rows[column, 6] -= rows[column, entry] * rows[entry, 6]
-        rows[column, 6] /= rows[column, column]
-    return rows[0, 6], rows[1, 6], rows[2, 6], rows[3, 6], rows[4, 6], rows[5, 6]
-
-
-@njit(cache=True, error_model="numpy")
-def _leg(legs, corner, axis):
-    """x or y of a corner counted from the first; halves of their sums are exact, so nothing is lost here."""
-    return legs[2 * corner - 2 + axis] if corner else legs[0] - legs[0]
-
-
-@njit(cache=True, error_model="numpy")
 def _unit_triangle(samples):
     """2a to 2e, and f (Barrera et al., equation 16; doubled so that nothing need be halved later)."""
     i1, i2, i3, i12, i13, i23 = samples
@@ -157,7 +119,7 @@ def _x_shading(i1, i2, i3, factor12, factor13, factor23):
 def _slopes(legs):
     """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., equations 20 and 21)."""
     x1, y1, x2, y2 = legs
-    omega = 0.5 / (x1 * y2 - x2 * y1)
+    omega = 1 / (2 * (x1 * y2 - x2 * y1))
     return y2 * omega, -x2 * omega, -y1 * omega, x1 * omega
 
 
@@ -202,7 +164,7 @@ def _run_general(vertices, normals, factors, light, out):
     rows = np.empty((6, 7))
     for row in range(len(out)):
         legs = _legs(vertices[row])
-        _put(out, row, _general(_six_samples(normals[row], towards), legs, rows))
+        _put(out, row, general(_six_samples(normals[row], towards), legs, rows))
 
 
 @njit(cache=True, error_model="numpy")
@@ -261,7 +223,7 @@ def _fit(vertices, samples, which, rows, out):
         if which == 0:
             _put(out, row, _abbas(six, legs))
         elif which == 1:
-            _put(out, row, _general(six, legs, rows))
+            _put(out, row, general(six, legs, rows))
         else:
             _put(out, row, _on_screen(_unit_triangle(six), _slopes(legs)))
 
@@ -366,3 +328,33 @@ def fit(method: str, vertices: np.ndarray, samples: np.ndarray) -> np.ndarray:
     flat = np.ascontiguousarray(vertices, dtype=np.float64).reshape(-1, 6)
     _fit(flat, np.ascontiguousarray(samples, dtype=np.float64), FITS[method], np.empty((6, 7)), out)
     return out
+
+
+def terms_in(method: str, legs: tuple, samples: tuple) -> tuple:
+    """
+    The formulas themselves, in whatever arithmetic their arguments bring with them.
+
+    Parameters
+    ----------
+    method : str
+      ``abbas``, ``unit_triangle`` or ``x_shading``.
+    legs : 4 numbers, or arrays of one shape
+      X2, Y2, X3, Y3: float32, float64, or :class:`fractions.Fraction`.
+    samples : 6 numbers or arrays
+      I1, I2, I3, I12, I13, I23; for ``x_shading`` I1, I2, I3 and the edges' Ni . Nj - 1.
+
+    Returns
+    -------
+    6 numbers or arrays
+      T0 to T5.
+    """
+    if method == "abbas":
+        return _plain(_abbas)(samples, legs)
+    slopes = _plain(_slopes)(legs)
+    unit = _plain(_unit_triangle)(samples) if method == "unit_triangle" else _plain(_x_shading)(*samples)
+    return _plain(_on_screen)(unit, slopes)
+
+
+def _plain(function):
+    """A compiled function's Python source, for other numbers than float64."""
+    return getattr(function, "py_func", function)
