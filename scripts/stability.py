@@ -2,8 +2,8 @@
 """
 Numerical stability of the set-up methods at the extremes: float32 and float64 against exact rationals.
 
-Needles up to a million times as long as high, triangles from 4/256 of a pixel to 4096 pixels, and the cases in
-which a printed formula divides by zero or nearly so. Writes docs/reports/stability.md, .json and .png.
+Needles up to a million times as long as high, triangles from 4/256 of a pixel to 4096 pixels, and the cases
+in which a printed formula divides by zero or nearly so. Writes docs/reports/stability.md, .json and .png.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import sys
 from fractions import Fraction
 from math import gcd
 from pathlib import Path
+from textwrap import fill
 
 import click
 import numpy as np
@@ -317,33 +318,36 @@ def advice(rows: list[dict]) -> str:
     flat = f"{worst(rows, 'special', 'abbas', 'float32', ('Y2 = 1/256',)):.2g}"
     thinnest = f"{worst(rows, 'special', 'unit_triangle', 'float64', ('one sub-pixel squared',)):.2g}"
     sent = max(row["worst_grey"] for row in rows if row["method"] == WORDS[0] and row["worst_grey"])
-    return f"""
+    text = f"""
 **Stout triangles** of any size, sub-pixel ones too: the unit triangle and the general solution are equally
-good, at most {stout_worst["unit_triangle", "float32"]} and {stout_worst["general", "float32"]} grey levels off in float32; take the unit triangle,
-it is the faster. Abbas's formulas divide by Y2 squared: they lose {stout_worst["abbas", "float32"]} levels where Y2 is small
-by chance, {flat} where it is one sub-pixel, and have no result where it is zero. In float64 that loss does
-not matter, only Y2 = 0 itself does; a host that must use them orders the vertices so that |Y2| is large. The
-other special cases harm no method. **Needles** harm all alike, with the square of the aspect ratio: the
-coefficients in X and Y are steep across the needle and cancel along it, however they were found. Half a grey
-level is held in float32 up to {single["unit_triangle"]} (unit triangle), {single["general"]} (general), {single["abbas"]} (Abbas) and
-{single["x_shading"]} (X-shading, whose samples curve less) times as long as high; in float64 by every method up to a
-million times ({needles:.2g} levels at most). Of an area of one sub-pixel squared nothing can be computed this
-way: {thinnest} grey levels off in float64. **Trust** the unit triangle, in float64; float32 only where needles
-are clipped away. The host sends none of these coefficients: it sets words up on the pixel lattice, from the
-first covered pixel and in integers where float64 is too short, and the bound of what it sends was
-{sent:.2g} grey levels at most over all these triangles ([setup](../setup.md)).
-""".strip()
+good, at most {stout_worst["unit_triangle", "float32"]} and {stout_worst["general", "float32"]} grey levels
+off in float32; take the unit triangle, it is the faster. Abbas's formulas divide by Y2 squared: they lose
+{stout_worst["abbas", "float32"]} levels where Y2 is small by chance, {flat} where it is one sub-pixel, and
+have no result where it is zero. In float64 that loss does not matter, only Y2 = 0 itself does; a host that
+must use them orders the vertices so that |Y2| is large. The other special cases harm no method. **Needles**
+harm all alike, with the square of the aspect ratio: the coefficients in X and Y are steep across the needle
+and cancel along it, however they were found. Half a grey level is held in float32 up to
+{single["unit_triangle"]} (unit triangle), {single["general"]} (general), {single["abbas"]} (Abbas) and
+{single["x_shading"]} (X-shading, whose samples curve less) times as long as high; in float64 by every method
+up to a million times ({needles:.2g} levels at most). Of an area of one sub-pixel squared nothing can be
+computed this way: {thinnest} grey levels off in float64. **Trust** the unit triangle, in float64; float32
+only where needles are clipped away. The host sends none of these coefficients: it sets words up on the pixel
+lattice, from the first covered pixel and in integers where float64 is too short, and the bound of what it
+sends was {sent:.2g} grey levels at most over all these triangles ([setup](../setup.md)).
+"""
+    return fill(" ".join(text.split()), 110)
 
 
 def report(results: dict) -> str:
     """The report's text, from nothing but the numbers of the JSON file."""
     rows = results["rows"]
+    count = rows[0]["triangles"]
     return f"""
 # Numerical stability of the set-up methods
 
 Written by `{results["command"]}` (`make stability`). Most grey levels by which the
 polynomial of the computed coefficients is off the exact one inside the triangle (15 points, exact
-rationals), worst of {rows[0]["triangles"]} random triangles each; inputs are exact in float32. The relative error of the
+rationals), worst of {count} random triangles each; inputs are exact in float32. The relative error of the
 coefficients and the medians stand in [stability.json](stability.json).
 
 ![Worst error over aspect ratio and size](stability.png)
