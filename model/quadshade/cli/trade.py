@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``quadshade trade``: what each step of accuracy costs, over fraction, shading and subdivision."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from quadshade.cli.interrupts import leave_at_once
+from quadshade.cli.options import GENERICS_EPILOG, generic_option, parse_generics
+from quadshade.cli.render import _parse_size, render
+from quadshade.engine import ENGINES
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+
+if TYPE_CHECKING:
+    from quadshade.trade import Sweep
+
+SCENE_OPTIONS = ("size", "camera", "light_texts", "material", "exponent", "cull", "crease")
+
+
+def scene_options(command: Callable) -> Callable:
+    """The options of ``quadshade render`` that say what is looked at."""
+    by_name = {option.name: option for option in render.params}
+    command.__click_params__ = [
+        *getattr(command, "__click_params__", []),
+        *(by_name[name] for name in reversed(SCENE_OPTIONS)),
+    ]
+    return command
+
+
+def _words(text: str) -> tuple[str, ...]:
+    """Values between commas."""
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+def _fractions(text: str) -> tuple[int, ...]:
+    """Whole numbers between commas."""
+    try:
+        return tuple(int(word) for word in _words(text))
+    except ValueError:
+        raise QuadshadeError(f"the fractions are {text!r}", "give whole numbers, e.g. 8,12,22") from None
+
+
+@click.command(epilog=GENERICS_EPILOG)
+@click.argument("scene")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("trade"),
+    show_default=True,
+    help="Folder for trade.json, trade.csv and the pictures; what it holds already is not measured again.",
+)
+@click.option(
+    "--fractions", default="8,10,12,16,22", show_default=True, help="Fraction bits of a colour word."
+)
+@click.option("--shadings", help="Shadings of `quadshade render`, but phong.  [default: all]")
+@click.option(
+    "--subdivisions",
+    default="none,all:1,all:2,highlights:128,centre:2",
+    show_default=True,
+    help="none, all:K (into four, K times), highlights:PIXELS (Cho et al.), centre:LEVELS (Abbas et al.).",
+)
+@scene_options
+@click.option("--engine", type=click.Choice(ENGINES), default="model", show_default=True)
+@click.option("--area/--no-area", default=True, show_default=True, help="Count cells by synthesis.")
+@click.option("--device", default="ecp5-25k-6", show_default=True, help="What cells are counted on.")
+@click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: all cores]")
+@click.option("--dask", metavar="ADDRESS", help="Measure on a Dask cluster, e.g. tcp://host:8786.")
+@generic_option
+def trade(
+    scene: str,
+    output: Path,
+    fractions: str,
+    shadings: str | None,
+    subdivisions: str,
+    size: str,
+    camera: str,
+    light_texts: tuple[str, ...],
+    material: str,
+    exponent: float | None,
+    cull: bool,
+    crease: float | None,
+    engine: str,
+    area: bool,
+    device: str,
+    jobs: int | None,
+    dask: str | None,
+    generics: tuple[str, ...],
+) -> None:
+    """
+    Sweep fraction, shading and subdivision over SCENE and mark the points that no other beats.
+
+    Error is that against Phong shading of the same triangles; cost is bytes of set-up words and clocks a frame,
+    and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
+
+    \b
+    quadshade trade sphere:374 -o trade --exponent 50
+    quadshade trade part.stl --size 256x256 --fractions 12,22 --subdivisions none,centre:4 --no-area
+    quadshade trade torus:288 --dask tcp://host:8786
+    """
+    with leave_at_once():
+        from quadshade.trade import Grid, View, sweep
+        from quadshade.trade.point import SHADINGS
+
+    base = Formats().with_generics(parse_generics(generics))
+    if base.num_channels != 3:
+        raise QuadshadeError(f"generic num_channels is {base.num_channels}", "a picture needs 3")
+    width, height = _parse_size(size)
+    view = View(scene, width, height, camera, light_texts, material, exponent, crease, cull)
+    grid = Grid(
+        _fractions(fractions), SHADINGS if shadings is None else _words(shadings), _words(subdivisions)
+    )
+    with progress_bars() as progress:
+        result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)
+    _say(result, output)
+
+
+@contextmanager
+def progress_bars() -> Iterator[Callable[[str, int, int], None]]:
+    """A bar on stderr for each kind of work, where that is a terminal."""
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bars:
+        tasks = {}
+
+        def tell(kind: str, done: int, total: int) -> None:
+            if kind not in tasks:
+                tasks[kind] = bars.add_task(kind)
+            bars.update(tasks[kind], completed=done, total=total)
+
+        yield tell
+
+
+def _say(result: Sweep, output: Path) -> None:
+    """What was measured, in a few lines."""
+    refused = sum(record["refused"] is not None for record in result.records)
+    counts = f"{len(result.records)} points, {result.reused} from before, {refused} refused"
+    click.echo(f"{output}/trade.json: {counts}")
+    if result.notice:
+        click.echo(f"quadshade: LUTs are not counted: {result.notice}", err=True)
+    said = set()
+    for record in result.records:
+        place = (record["bytes"], record["rms"])
+        if "bytes" in record["pareto"] and place not in said:
+            said.add(place)
+            click.echo(
+                f"{record['name']}: rms {record['rms']:.3f}, {record['bytes']} bytes, {record['clocks']} clocks"
+            )

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a core's generics cost in cells: GHDL's netlist through Yosys, without place-and-route."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from quadshade.engine.ghdl import repository_root
+from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.synthesis import find_device
+from quadshade.synthesis.flow import CHECKED, YOSYS, mapping_commands, once, run_yosys, tool_version
+from quadshade.synthesis.reports import area_from_stat
+
+DEVICE = "ecp5-25k-6"
+STAT = "stat.json"
+
+
+def no_tools(device: str = DEVICE) -> str:
+    """
+    Why cells cannot be counted here.
+
+    Returns
+    -------
+    str
+      Empty where GHDL, Yosys and the RTL are at hand.
+
+    Raises
+    ------
+    QuadshadeError
+      There is no such device.
+    """
+    find_device(device)
+    try:
+        tool_version(YOSYS)
+        write_netlist(Formats().generics())
+    except QuadshadeError as problem:
+        return str(problem)
+    except OSError as problem:
+        return f"GHDL does not run: {problem.strerror}"
+    return ""
+
+
+def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
+    """
+    Map a core to a device's cells and count them; the result is kept below ``build/synth/counted``.
+
+    Parameters
+    ----------
+    formats : Formats
+    device : str
+      One of :data:`quadshade.synthesis.DEVICES`.
+
+    Returns
+    -------
+    dict of str to int
+      ``lut4`` (carry cells included), ``carry``, ``carry_luts``, ``ff``, ``bram``, ``dsp``.
+
+    Raises
+    ------
+    QuadshadeError
+      A tool is missing or fails.
+    """
+    root = repository_root()
+    netlist = write_netlist(formats.generics())
+    verilog = netlist.read_text()
+    commands = [f"read_verilog {netlist.name}", f"hierarchy -check -top {TOP}", *CHECKED]
+    commands += [*mapping_commands(find_device(device), TOP), f"tee -q -o {STAT} stat -json -top {TOP}"]
+
+    def make(folder: Path) -> None:
+        (folder / netlist.name).write_text(verilog)
+        run_yosys(commands, folder)
+
+    text = "\0".join([verilog, *commands, tool_version(YOSYS)])
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    folder = once(root / "build" / "synth" / "counted", digest, make)
+    return asdict(area_from_stat(json.loads((folder / STAT).read_text())))

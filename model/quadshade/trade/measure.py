@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One point of a sweep: draw it, compare it with Phong shading, count what it cost."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image
+
+from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
+from quadshade.formats import LANE_BITS, Formats
+from quadshade.image import paint, visible
+from quadshade.image.compare import error_map, psnr
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.shading import sample
+from quadshade.trade.point import Point
+from quadshade.trade.view import BACKGROUND, Stage
+
+HEAT_FULL = 32
+"""Grey levels of error at the bright end of an error heat map; the same for all, so that they compare."""
+
+MEASURED = ("psnr", "rms", "max_error", "bytes", "bytes_per_triangle", "clocks", "pixels", "clocks_per_pixel")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """
+    What came out of a point.
+
+    Attributes
+    ----------
+    record : dict
+      The point, what was measured, and ``refused``: why the host refused to draw it, or None.
+    files : dict of str to bytes
+      ``picture.png`` and ``error.png``; none of a point that was refused.
+    """
+
+    record: dict
+    files: dict[str, bytes]
+
+
+def png(picture: np.ndarray) -> bytes:
+    """A picture as the bytes of a PNG file."""
+    buffer = io.BytesIO()
+    Image.fromarray(picture).save(buffer, format="PNG", optimize=True)
+    return buffer.getvalue()
+
+
+def heat_map(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """
+    The largest error of the channels at every pixel, from black (0) to bright (``HEAT_FULL`` and more).
+
+    Parameters
+    ----------
+    one, other : (height, width, 3) uint8
+
+    Returns
+    -------
+    (height, width, 3) uint8
+    """
+    from matplotlib import colormaps
+
+    colours = colormaps["inferno"](np.linspace(0, 1, HEAT_FULL + 1), bytes=True)[:, :3]
+    return colours[np.minimum(error_map(one, other), HEAT_FULL)]
+
+
+def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
+    """
+    Draw a point and compare it.
+
+    Parameters
+    ----------
+    point : Point
+    stage : Stage
+      Of the point's subdivision.
+    base : Formats
+      Generics that the point does not set.
+    engine : str
+
+    Returns
+    -------
+    Measured
+      ``psnr`` (dB, None where the picture is the reference), ``rms`` and ``max_error`` (grey levels) over all
+      pixels and channels of the picture; ``bytes`` of set-up words a frame, ``clocks`` a frame.
+
+    Raises
+    ------
+    QuadshadeError
+      The engine is missing or fails. A point that the host refuses raises nothing; its record says why.
+    """
+    parts, formats = stage.projected, point.formats(base)
+    record = {
+        "name": point.name,
+        "shading": point.shading,
+        "order": point.order,
+        "fraction": point.fraction,
+        "subdivision": point.subdivision,
+        "word_width": formats.word_width,
+        "triangles": len(parts),
+        "refused": None,
+    }
+    if not formats.with_depth:
+        parts = parts.back_to_front()
+    triangles = sample(parts, point.shading, stage.lights, stage.material, formats)
+    try:
+        setup_triangles(triangles, formats)
+    except QuadshadeError as refusal:
+        return Measured(record | dict.fromkeys(MEASURED) | {"refused": str(refusal)}, {})
+    drawing = draw(triangles, formats, engine)
+    shown = visible(drawing.pixels, parts.width, parts.height)
+    picture = paint(shown, drawing.pixels.value, BACKGROUND, (1 << formats.value_bits) - 1)
+    quality = psnr(picture, stage.reference)
+    difference = picture.astype(np.float64) - stage.reference
+    stats = drawing.stats
+    record |= {
+        "psnr": quality if math.isfinite(quality) else None,
+        "rms": float(np.sqrt(np.mean(difference**2))),
+        "max_error": int(np.abs(difference).max()),
+        "bytes": stats["words"] * (LANE_BITS // 8),
+        "bytes_per_triangle": stats["words"] * (LANE_BITS // 8) / max(len(triangles), 1),
+        "clocks": stats["clocks"],
+        "pixels": stats["pixels"],
+        "clocks_per_pixel": stats["clocks_per_pixel"],
+    }
+    return Measured(
+        record, {"picture.png": png(picture), "error.png": png(heat_map(picture, stage.reference))}
+    )

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which points of a sweep no other point beats."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+ERROR = "rms"
+COSTS = ("bytes", "clocks", "lut4")
+"""What is paid for the error, pair by pair."""
+
+
+def pareto_front(cost: Sequence[float], error: Sequence[float]) -> np.ndarray:
+    """
+    Points that no other point beats: none costs no more and errs no more, and less in one of both.
+
+    Parameters
+    ----------
+    cost, error : (n,) float
+      Less is better.
+
+    Returns
+    -------
+    (n,) bool
+      Equal points are on the front together.
+    """
+    cost, error = np.asarray(cost, dtype=np.float64), np.asarray(error, dtype=np.float64)
+    front = np.zeros(len(cost), dtype=bool)
+    least, same_cost = np.inf, np.nan
+    for index in np.lexsort((error, cost)):
+        # In the order of cost, then error: a point is on the front if it errs less than all before it.
+        if error[index] < least or (error[index] == least and cost[index] == same_cost):
+            front[index] = True
+            least, same_cost = error[index], cost[index]
+    return front
+
+
+def mark_pareto(records: list[dict]) -> None:
+    """
+    Write into every record on which fronts it is: ``pareto``, a list of ``COSTS``.
+
+    Parameters
+    ----------
+    records : list of dict
+      Points that were refused (their error is None) and costs that were not counted are left out.
+    """
+    for record in records:
+        record["pareto"] = []
+    for cost in COSTS:
+        known = [record for record in records if record.get(cost) is not None and record[ERROR] is not None]
+        front = pareto_front([record[cost] for record in known], [record[ERROR] for record in known])
+        for record, best in zip(known, front, strict=True):
+            if best:
+                record["pareto"].append(cost)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Points that were measured before, by a hash of all that they depend on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from quadshade import errors
+from quadshade.formats import Formats
+from quadshade.trade.measure import Measured
+from quadshade.trade.point import Point
+from quadshade.trade.view import Stage, View
+
+RECORD = "record.json"
+UNUSED = ("cli", "report", "synthesis")
+"""Folders of the package whose code no point depends on."""
+
+
+@cache
+def code_digest() -> str:
+    """Hash of the package's modules that a point depends on."""
+    root = Path(errors.__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        if path.relative_to(root).parts[0] not in UNUSED:
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def stage_digest(stage: Stage) -> str:
+    """Hash of the triangles that are drawn and of their reference, wherever they came from."""
+    digest = hashlib.sha256(stage.reference.tobytes())
+    for values in vars(stage.projected).values():
+        if isinstance(values, np.ndarray):
+            digest.update(values.tobytes())
+    return digest.hexdigest()
+
+
+def point_key(point: Point, view: View, stage: str, base: Formats, engine: str) -> str:
+    """
+    Name of a point's folder: its name, and a hash of all that its results depend on.
+
+    Parameters
+    ----------
+    point : Point
+    view : View
+      Its lights and material; the mesh and the camera are in the stage.
+    stage : str
+      From :func:`stage_digest`.
+    base : Formats
+    engine : str
+
+    Returns
+    -------
+    str
+    """
+    parts = {
+        "point": asdict(point),
+        "view": view.settings(),
+        "stage": stage,
+        "generics": base.generics(),
+        "engine": engine,
+        "code": code_digest(),
+    }
+    digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+    return f"{point.name}-{digest[:12]}"
+
+
+def store(folder: Path, key: str, measured: Measured) -> None:
+    """Write a point's record and pictures into a folder of its own, which appears when it is whole."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".") as scratch:
+        made = Path(scratch) / key
+        made.mkdir()
+        for name, content in measured.files.items():
+            (made / name).write_bytes(content)
+        (made / RECORD).write_text(json.dumps(measured.record, indent=1) + "\n")
+        if not (folder / key).exists():
+            made.rename(folder / key)
+
+
+def stored(folder: Path, key: str) -> dict | None:
+    """The record of a point that was measured before, or None."""
+    path = folder / key / RECORD
+    return json.loads(path.read_text()) if path.is_file() else None
+
+
+def forget_others(folder: Path, keys: set[str]) -> None:
+    """Remove the folders of points that are not of this sweep, and what a killed run left half-written."""
+    for path in folder.iterdir():
+        if path.is_dir() and path.name not in keys:
+            shutil.rmtree(path, ignore_errors=True)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is looked at in a sweep, and the reference that every point is compared with."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+
+import numpy as np
+
+from quadshade.engine import draw
+from quadshade.formats import Formats
+from quadshade.image import paint, visible
+from quadshade.scene import Projected, load_scene, parse_camera, project
+from quadshade.shading import Light, Material, parse_light, parse_material, sample
+from quadshade.shading.reference import phong
+from quadshade.trade.subdivision import subdivide
+
+BACKGROUND = (0, 0, 0)
+
+
+@dataclass(frozen=True)
+class View:
+    """
+    A scene, who looks at it and how it is lit; texts as for ``quadshade render``.
+
+    Attributes
+    ----------
+    scene : str
+    width, height : int
+    camera, material : str
+    lights : tuple of str
+    exponent : float or None
+    crease : float or None
+    cull : bool
+    """
+
+    scene: str
+    width: int = 512
+    height: int = 512
+    camera: str = ""
+    lights: tuple[str, ...] = ()
+    material: str = ""
+    exponent: float | None = None
+    crease: float | None = None
+    cull: bool = True
+
+    @cached_property
+    def surface(self) -> Material:
+        """The material."""
+        return parse_material(self.material, self.exponent)
+
+    @cached_property
+    def lamps(self) -> tuple[Light, ...] | None:
+        """The lights; None for those that go with the viewer."""
+        return tuple(map(parse_light, self.lights)) or None
+
+    def projected(self, formats: Formats) -> Projected:
+        """
+        The mesh on the screen.
+
+        Raises
+        ------
+        QuadshadeError
+          A scene, camera or size that there is not.
+        """
+        mesh = load_scene(self.scene, self.crease)
+        return project(mesh, parse_camera(self.camera, mesh), self.width, self.height, formats, self.cull)
+
+    def settings(self) -> dict:
+        """All of it, for a file."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """
+    A subdivided mesh and its reference picture; what a worker needs beside the point.
+
+    Attributes
+    ----------
+    projected : Projected
+    lights : tuple of lights or None
+    material : Material
+    reference : (height, width, 3) uint8
+      Phong shading of the same triangles, with coverage and depth of the core with all its bits.
+    """
+
+    projected: Projected
+    lights: tuple[Light, ...] | None
+    material: Material
+    reference: np.ndarray
+
+
+def stage(view: View, projected: Projected, subdivision: str, formats: Formats) -> Stage:
+    """
+    Divide a view's mesh and shade its reference.
+
+    Parameters
+    ----------
+    view : View
+    projected : Projected
+      From ``view.projected``.
+    subdivision : str
+    formats : Formats
+      Of the reference's coverage and depth: a core with all its bits.
+
+    Returns
+    -------
+    Stage
+    """
+    parts = subdivide(projected, subdivision, view.lamps, view.surface, formats)
+    pixels = draw(sample(parts, "flat", view.lamps, view.surface, formats), formats).pixels
+    shown = visible(pixels, parts.width, parts.height)
+    seen = shown[shown >= 0]
+    value = np.zeros((len(pixels), 3))
+    value[seen] = phong(
+        parts, pixels.triangle[seen], pixels.x[seen], pixels.y[seen], view.lamps, view.surface, formats
+    )
+    picture = paint(shown, value, BACKGROUND, (1 << formats.value_bits) - 1)
+    return Stage(parts, view.lamps, view.surface, picture)
