@@ -82,7 +82,7 @@ def test_any_edges_may_be_split_again_and_again(seed: int) -> None:
 
 
 def grid(rng: np.random.Generator, columns: int, rows: int, step: int) -> Projected:
-    """A sheet of triangles of few sub-pixels, its inner vertices shaken: an open mesh full of special cases."""
+    """A sheet of triangles of few sub-pixels, its inner vertices shaken: an open mesh."""
     x, y = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
     points = np.stack([x, y], axis=2) * step
     points[1:-1, 1:-1] += rng.integers(-(step // 4), step // 4 + 1, points[1:-1, 1:-1].shape)

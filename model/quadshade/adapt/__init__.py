@@ -2,23 +2,33 @@
 """Spend where it shows: which triangles need a higher order or division, for an allowed error or a budget."""
 
 from quadshade.adapt.centre_test import centre_error, centre_subdivision
-from quadshade.adapt.cho import Adapted, highlight_subdivision, regular_subdivision
+from quadshade.adapt.cho import Subdivided, highlight_subdivision, regular_subdivision
+from quadshade.adapt.choose import Goal, Shader, choose_orders
 from quadshade.adapt.highlight import (
     highlight_centres,
     highlight_possible,
     potentially_highlighted,
     with_neighbours,
 )
+from quadshade.adapt.plan import Adapted, ErrorFigures, adapt, error_figures, pixel_errors
 from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
 
 __all__ = [
     "Adapted",
+    "ErrorFigures",
+    "Goal",
+    "Shader",
+    "Subdivided",
+    "adapt",
     "centre_error",
     "centre_subdivision",
+    "choose_orders",
+    "error_figures",
     "highlight_centres",
     "highlight_possible",
     "highlight_subdivision",
     "insert_vertices",
+    "pixel_errors",
     "potentially_highlighted",
     "refine",
     "regular_subdivision",

@@ -21,7 +21,7 @@ MAX_DEPTH = 6
 
 
 @dataclass(frozen=True)
-class Adapted:
+class Subdivided:
     """
     A mesh after Cho's subdivision, to be drawn with Gouraud shading.
 
@@ -42,13 +42,13 @@ class Adapted:
     subdivided: np.ndarray
 
 
-def _adapted(projected: Projected, root: np.ndarray, highlighted: np.ndarray) -> Adapted:
-    return Adapted(projected, root, highlighted, np.bincount(root, minlength=len(highlighted)) > 1)
+def _subdivided(projected: Projected, root: np.ndarray, highlighted: np.ndarray) -> Subdivided:
+    return Subdivided(projected, root, highlighted, np.bincount(root, minlength=len(highlighted)) > 1)
 
 
 def regular_subdivision(
     projected: Projected, lights: Sequence[Light], threshold: float = 32.0, formats: Formats | None = None
-) -> Adapted:
+) -> Subdivided:
     """
     Divide potentially highlighted triangles and their neighbours into fours (section 3.2).
 
@@ -63,7 +63,7 @@ def regular_subdivision(
 
     Returns
     -------
-    Adapted
+    Subdivided
     """
     formats = Formats() if formats is None else formats
     highlighted = potentially_highlighted(projected, lights).any(axis=0)
@@ -75,7 +75,7 @@ def regular_subdivision(
     while (area >= limit).any():
         projected, parent = refine(projected, area >= limit)
         root, area = root[parent], area[parent] / 4
-    return _adapted(projected, root, highlighted)
+    return _subdivided(projected, root, highlighted)
 
 
 def _insert_centre(
@@ -109,13 +109,13 @@ def highlight_subdivision(
     lights: Sequence[Light],
     material: Material | None = None,
     threshold: float = 0.3,
-) -> Adapted:
+) -> Subdivided:
     """
     Put vertices at the highlights' centres and limit them by further ones (section 3.1).
 
-    A potentially highlighted triangle gets a vertex at the centre of its highlight, or on the edge that is nearest
-    to it. Then edges that meet at a centre are split in the middle where the true intensity differs from the
-    interpolated one by more than the threshold, again and again.
+    A potentially highlighted triangle gets a vertex at the centre of its highlight, or on the edge that is
+    nearest to it. Then edges that meet at a centre are split in the middle where the true intensity differs
+    from the interpolated one by more than the threshold, again and again.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def highlight_subdivision(
 
     Returns
     -------
-    Adapted
+    Subdivided
     """
     material = Material() if material is None else material
     found = potentially_highlighted(projected, lights)
@@ -153,7 +153,7 @@ def highlight_subdivision(
             break
         projected, parent = refine(projected, wanted)
         root = root[parent]
-    return _adapted(projected, root, found.any(axis=0))
+    return _subdivided(projected, root, found.any(axis=0))
 
 
 def _edge_differences(

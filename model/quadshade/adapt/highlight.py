@@ -2,8 +2,9 @@
 """
 Which triangles can hold the centre of a specular highlight, and where it is (Cho, Neumann and Woo).
 
-The centre of a highlight is where the normal N lies in the plane of the vectors L to the light and V to the viewer
-(condition H1), halfway between the two (H2). Both are signs at the vertices, so no square root is needed.
+The centre of a highlight is where the normal N lies in the plane of the vectors L to the light and V to the
+viewer (condition H1), halfway between the two (H2). Both are signs at the vertices, so no square root is
+needed.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ def conditions(
     h1 : (...) float64
       (L x V) . N: the side of the plane of L and V on which N is (section 2.3).
     h2 : (...) float64
-      (V . N)^2 |L|^2 - (L . N)^2 |V|^2, each square with the sign of its cosine: positive where N is nearer to V.
+      (V . N)^2 |L|^2 - (L . N)^2 |V|^2, each square with the sign of its cosine: positive where N is nearer
+      to V.
     """
     light, viewer = _dot(to_light, normals), _dot(to_viewer, normals)
     h1 = _dot(np.cross(to_light, to_viewer), normals)
@@ -57,8 +59,8 @@ def highlight_possible(normals: np.ndarray, to_light: np.ndarray, to_viewer: np.
     Returns
     -------
     (n,) bool
-      Potentially highlighted: the signs of both conditions differ between vertices (or one is zero), and neither
-      the light nor the viewer is behind all three vertices.
+      Potentially highlighted: the signs of both conditions differ between vertices (or one is zero), and
+      neither the light nor the viewer is behind all three vertices.
     """
     h1, h2 = conditions(normals, to_light, to_viewer)
     between = [(sign.min(axis=1) <= 0) & (sign.max(axis=1) >= 0) for sign in (h1, h2)]
@@ -211,9 +213,9 @@ def highlight_centres(
     """
     Approximate centres of highlights, by three one-dimensional problems (section 3.1.1 and the appendix).
 
-    Q and R are where H1 holds on two edges, P where H2 holds on the line QR. H1 and H2 are then solved again in
-    turns, H1 on the line from the vertex between the two edges through P, H2 between the nearer of Q and R and
-    that point.
+    Q and R are where H1 holds on two edges, P where H2 holds on the line QR. H1 and H2 are then solved again
+    in turns, H1 on the line from the vertex between the two edges through P, H2 between the nearer of Q and
+    R and that point.
 
     Parameters
     ----------

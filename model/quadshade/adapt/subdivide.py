@@ -2,8 +2,8 @@
 """
 Division of triangles on the screen without cracks.
 
-Whether an edge is split, and where, is a property of the edge, not of a triangle: both triangles that share it
-get the same new vertex, rounded once to the sub-pixel grid. A triangle with one, two or three split edges
+Whether an edge is split, and where, is a property of the edge, not of a triangle: both triangles that share
+it get the same new vertex, rounded once to the sub-pixel grid. A triangle with one, two or three split edges
 becomes two, three or four, so there is never a vertex in the middle of a neighbour's edge.
 """
 
@@ -99,8 +99,8 @@ def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, verti
     """
     Parts of triangles, with what is interpolated at their corners.
 
-    Positions and normals are interpolated with perspective and normals are not normalised, so Phong shading of a
-    part is Phong shading of the triangle.
+    Positions and normals are interpolated with perspective and normals are not normalised, so Phong shading
+    of a part is Phong shading of the triangle.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ def split_edges(
     edges : Edges
       Of its triangles, from :func:`shared_edges`.
     marks : (edges,) bool
-      Edges to split. One stays whole where its new vertex would be one of its ends, or where a triangle would get
-      a part without area or turned over: there are such triangles of a few sub-pixels.
+      Edges to split. One stays whole where its new vertex would be one of its ends, or where a triangle
+      would get a part without area or turned over: there are such triangles of a few sub-pixels.
     share : (edges,) float, optional
       Where an edge is split, 0 at its first end, 1 at its second; by default in the middle.
 
@@ -219,8 +219,8 @@ def refine(projected: Projected, wanted: np.ndarray) -> tuple[Projected, np.ndar
     ----------
     projected : Projected
     wanted : (n,) or (n, 3) bool
-      Triangles to divide into four, or edges 0-1, 1-2, 2-0 of each to split. Neighbours follow with two, three or
-      four parts.
+      Triangles to divide into four, or edges 0-1, 1-2, 2-0 of each to split. Neighbours follow with two,
+      three or four parts.
 
     Returns
     -------

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
+from quadshade.cli.adapt_options import adapt_options, adapt_report, adapted_to, check_adaptive
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import (
     GENERICS_EPILOG,
@@ -31,6 +32,7 @@ from quadshade.formats import CONSTANT, Formats
 from quadshade.shading.sample import SHADING_ORDERS
 
 if TYPE_CHECKING:
+    from quadshade.adapt import Adapted
     from quadshade.scene import Projected
     from quadshade.shading import Light, Material
     from quadshade.triangles import Drawing
@@ -91,6 +93,7 @@ COLOUR_CHANNELS = 3
     "--background", default="0", metavar="R,G,B", help="0..1; one number is grey.  [default: black]"
 )
 @setup_options(SETUPS)
+@adapt_options
 @stats_option
 @waves_option
 @generic_option
@@ -112,6 +115,7 @@ def render(
     waves: Path | None,
     generics: tuple[str, ...],
     setup_choice: dict,
+    adapt_choice: dict | None,
 ) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
@@ -124,6 +128,8 @@ def render(
     quadshade render scene.glb -o scene.png --light dir=1,1,1 --light ambient=0.2 --size 640x480
     quadshade render torus:288 -o torus.png --engine ghdl --stats stats.json --waves torus.ghw
     quadshade render torus:288 -o torus.png --generic stream_width=128
+    quadshade render sphere:690 -o sphere.png --max-error 4
+    quadshade render sphere:690 -o sphere.png --budget 30000bytes --error-measure rms
     """
     with leave_at_once():
         from quadshade.engine import default_engine
@@ -140,8 +146,9 @@ def render(
     formats = Formats().with_generics(parse_generics(generics))
     width, height = _parse_size(size)
     check_size(width, height, formats)
-    _check_choices(output, shading, formats)
+    _check_choices(output, shading if adapt_choice is None else "flat", formats)
     check_method(setup_choice["method"], shading)
+    check_adaptive(adapt_choice, shading, setup_choice["method"])
     check_writable(output, stats, waves, inputs=[Path(scene)])
     lights = tuple(parse_light(text) for text in light_texts) or None
     surface = parse_material(
@@ -155,17 +162,20 @@ def render(
     if not formats.with_depth:
         projected = projected.back_to_front()
     with _progress(f"drawing {len(projected)} triangles with the engine {engine}"):
+        adapted = adapted_to(adapt_choice, projected, lights, surface, formats)
         drawing, shown, value = _draw(
-            projected, shading, lights, surface, formats, engine, waves, setup_choice
+            projected, shading, lights, surface, formats, engine, waves, setup_choice, adapted
         )
+        adaptive, note = adapt_report(adapt_choice, adapted, drawing, projected, lights, surface, formats)
     picture = paint(shown, value, ground, (1 << formats.value_bits) - 1)
     write_atomically(output, lambda temporary: write_png(temporary, picture))
     if stats is not None:
-        write_json(stats, _stats(drawing, scene, shading, len(mesh), shown))
+        kind = "adaptive" if adaptive else shading
+        write_json(stats, _stats(drawing, scene, kind, len(mesh), shown) | adaptive)
     clocks = "" if shading == "phong" else f", {drawing.stats['clocks']} clocks"
     clocks += undefined_note(drawing.stats, setup_choice["method"])
     click.echo(
-        f"{output}: {width}x{height}, {len(projected)} triangles, {len(drawing.pixels)} pixels{clocks}"
+        f"{output}: {width}x{height}, {len(projected)} triangles, {len(drawing.pixels)} pixels{clocks}{note}"
     )
 
 
@@ -178,6 +188,7 @@ def _draw(
     engine: str,
     waves: Path | None,
     setup_choice: dict,
+    adapted: Adapted | None,
 ) -> tuple[Drawing, np.ndarray, np.ndarray]:
     """What the engine drew, which of its pixels are seen, and their colours."""
     from quadshade.engine import draw
@@ -185,8 +196,11 @@ def _draw(
     from quadshade.shading import sample
     from quadshade.shading.reference import phong
 
-    order = "flat" if shading == "phong" else shading
-    triangles = sample(projected, order, lights, surface, formats, setup_choice["method"] == "xshading")
+    if adapted is None:
+        order = "flat" if shading == "phong" else shading
+        triangles = sample(projected, order, lights, surface, formats, setup_choice["method"] == "xshading")
+    else:
+        triangles = adapted.triangles
     drawing = draw(triangles, formats, engine, waves, **setup_choice)
     pixels = drawing.pixels
     shown = visible(pixels, projected.width, projected.height)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``quadshade render`` with an allowed error or a budget."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from quadshade.cli.main import main
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    """Exit code and everything printed."""
+    result = CliRunner().invoke(main, ["render", "sphere:168", "--size", "128x128", *map(str, arguments)])
+    return result.exit_code, result.output
+
+
+def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
+    picture, stats = tmp_path / "a.png", tmp_path / "a.json"
+    code, output = run("-o", picture, "--engine", "model", "--max-error", "3", "--stats", stats)
+    assert code == 0, output
+    content = json.loads(stats.read_text())
+    found = content["adaptive"]
+    assert content["shading"] == "adaptive"
+    assert found["bytes"] == 4 * content["words"]
+    assert found["measured_max"] <= 3.0
+    assert found["share_over_max_error"] == 0
+    assert content["triangles"] == found["triangles"] == sum(found["triangles_by_order"].values())
+    assert f"{found['bytes']} bytes; {found['triangles']} parts" in output
+    assert f"error max {found['measured_max']:.2f}" in output
+
+
+@pytest.mark.parametrize(
+    ("budget", "key"), [("8000", "bytes"), ("8000bytes", "bytes"), ("14000clocks", "clocks")]
+)
+def test_budget_is_kept(tmp_path: Path, budget: str, key: str) -> None:
+    stats = tmp_path / "a.json"
+    code, output = run(
+        "-o", tmp_path / "a.png", "--engine", "model", "--budget", budget, "--error-measure", "rms",
+        "--stats", stats
+    )  # fmt: skip
+    assert code == 0, output
+    content = json.loads(stats.read_text())
+    assert content["adaptive"]["budget_unit"] == key
+    spent = content["adaptive"]["bytes"] if key == "bytes" else content["clocks"]
+    assert spent <= content["adaptive"]["budget"]
+    assert re.search(r"estimated rms 0\.\d+", output)
+
+
+def test_fixed_pictures_say_nothing_of_it(tmp_path: Path) -> None:
+    stats = tmp_path / "a.json"
+    code, output = run("-o", tmp_path / "a.png", "--engine", "model", "--stats", stats)
+    assert code == 0
+    assert "adaptive" not in json.loads(stats.read_text())
+    assert "parts" not in output
+
+
+def test_a_linear_core_draws_adaptive_pictures(tmp_path: Path) -> None:
+    code, output = run(
+        "-o", tmp_path / "a.png", "--engine", "model", "--max-error", "5", "--generic", "max_order=1"
+    )
+    assert code == 0, output
+    assert "0 quadratic" in output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--max-error", "4", "--budget", "9000"], "not both"),
+        (["--max-error", "0.5"], "rounding the output"),
+        (["--max-error", "nan"], "rounding the output"),
+        (["--budget", "12parsecs"], "is not a budget"),
+        (["--budget", "5bytes"], "the cheapest picture takes"),
+        (["--error-measure", "rms"], "give --max-error or --budget"),
+        (["--max-error", "4", "--shading", "phong"], "leave --shading out"),
+        (["--max-error", "4", "--setup", "xshading"], "another --setup"),
+    ],
+)
+def test_refusals(tmp_path: Path, arguments: list[str], message: str) -> None:
+    code, output = run("-o", tmp_path / "a.png", *arguments)
+    assert code == 2
+    assert message in output
+    assert len(output.strip().splitlines()) == 1
+    assert not (tmp_path / "a.png").exists()
