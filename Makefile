@@ -53,6 +53,10 @@ stability: setup ## compare set-up methods with exact rationals, write docs/repo
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
 	@$(VENV) scripts/simspeed.py
 
+.PHONY: faults
+faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
+	@$(VENV) scripts/faults.py
+
 .PHONY: test-netlist
 test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
@@ -70,7 +74,7 @@ readme: setup ## run the demo and write the README's picture and tables
 	@$(VENV) scripts/readme.py
 
 .PHONY: rtl
-rtl: setup ## write rtl/quadshade_pkg.vhd from model/quadshade/formats.py
+rtl: setup ## write rtl/quadshade_pkg.vhd and rtl/link_pkg.vhd from their Python sources
 	@$(VENV) scripts/generate_vhdl.py
 
 .PHONY: format

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # All RTL, bottom-up; every tool reads this list.
 rtl/quadshade_pkg.vhd
+rtl/link_pkg.vhd
 rtl/skid_buffer.vhd
 rtl/setup_loader.vhd
 rtl/edge_dda.vhd

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """
-Write ``rtl/quadshade_pkg.vhd`` from ``quadshade.formats``, the one source of every number format.
+Write ``rtl/quadshade_pkg.vhd`` from ``quadshade.formats``, the one source of every number format, and
+``rtl/link_pkg.vhd`` from ``quadshade.link.protocol``, that of the serial link.
 
-``--check`` writes nothing and exits with code 1 if the file in the tree is not what would be written.
+``--check`` writes nothing and exits with code 1 if a file in the tree is not what would be written.
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ import sys
 from dataclasses import fields
 from pathlib import Path
 
+import generate_link
 from quadshade import formats
 
-PACKAGE = Path(__file__).resolve().parent.parent / "rtl" / "quadshade_pkg.vhd"
+RTL = Path(__file__).resolve().parent.parent / "rtl"
 
 GENERICS = tuple(f.name for f in fields(formats.Formats))
 DERIVED = tuple(name for name, _, _ in formats.DERIVED)
@@ -174,22 +176,23 @@ def package() -> str:
 
 
 def main() -> int:
-    """Write the package, or check it; the exit code."""
+    """Write the packages, or check them; the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
-    parser.add_argument(
-        "--check", action="store_true", help="write nothing; exit 1 if the file is out of date"
-    )
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if a file is out of date")
     arguments = parser.parse_args()
-    text = package()
-    if PACKAGE.exists() and PACKAGE.read_text() == text:
-        return 0
-    if arguments.check:
-        print(f"{PACKAGE.name} is not what formats.py says: run `make rtl`", file=sys.stderr)
-        return 1
-    temporary = PACKAGE.with_suffix(".tmp")
-    temporary.write_text(text)
-    temporary.replace(PACKAGE)
-    return 0
+    code = 0
+    for name, text in (("quadshade_pkg.vhd", package()), ("link_pkg.vhd", generate_link.package())):
+        path = RTL / name
+        if path.exists() and path.read_text() == text:
+            continue
+        if arguments.check:
+            print(f"{name} is not what its source in Python says: run `make rtl`", file=sys.stderr)
+            code = 1
+            continue
+        temporary = path.with_suffix(".tmp")
+        temporary.write_text(text)
+        temporary.replace(path)
+    return code
 
 
 if __name__ == "__main__":
