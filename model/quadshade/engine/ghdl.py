@@ -42,7 +42,7 @@ def rtl_files(root: Path) -> list[Path]:
 
 def run_tool(command: list[str], cwd: Path) -> str:
     """
-    Run a simulator's command and return what it printed.
+    Run a simulator's command and return what it printed on its standard output.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def run_tool(command: list[str], cwd: Path) -> str:
             printed.strip()
         ]
         raise QuadshadeError(f"{Path(command[0]).name} failed: {lines[0]}")
-    return printed
+    return done.stdout
 
 
 def analyse(root: Path) -> Path:

@@ -195,6 +195,11 @@ LANES = "channel_lane*"
 """Modules that are mapped each by itself: in one piece, logic shared between them would be far from both."""
 
 
+UNORDERED = "block_ram*/m:words"
+"""Memories whose users never need what is read in the clock of its writing (``make formal``): without this,
+Yosys adds registers and comparators that make it the old word."""
+
+
 def mapping_commands(device: Device, top: str) -> list[str]:
     """
     Yosys commands that map a design to a device's cells, lane by lane, then make it flat and check it.
@@ -208,6 +213,7 @@ def mapping_commands(device: Device, top: str) -> list[str]:
     return [
         f"hierarchy -check -top {top}",
         f"setattr -mod -set keep_hierarchy 1 {LANES}",
+        f"setattr -set no_rw_check 1 {UNORDERED}",
         f"{device.yosys} -top {top} -run begin:check",
         f"setattr -mod -unset keep_hierarchy {LANES}",
         "flatten",

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// depth_test against an ideal z-buffer that decides when a pixel is accepted, at one free place. The memory is
+// cut out; a word that is read in the cycle of its writing is free.
+
+module depth_test_properties #(
+  parameter width = 3,
+  parameter height = 2,
+  parameter coord_bits = 2,
+  parameter value_bits = 2,
+  parameter depth_bits = 2
+) (
+  input clk,
+  input reset,
+  input clear,
+  input pixel_valid,
+  input [coord_bits - 1:0] pixel_x,
+  input [coord_bits - 1:0] pixel_y,
+  input [value_bits - 1:0] pixel_value,
+  input [depth_bits - 1:0] pixel_depth,
+  input kept_ready
+);
+
+  localparam words = width * height;
+  localparam address_bits = $clog2(words);
+  localparam pixel_bits = value_bits + 2 * coord_bits;
+  localparam [depth_bits:0] empty = 1 << depth_bits;
+
+  wire busy, drained, pixel_ready, kept_valid;
+  wire [coord_bits - 1:0] kept_x, kept_y;
+  wire [value_bits - 1:0] kept_value;
+  wire [depth_bits - 1:0] kept_depth;
+
+  depth_test dut (
+    .clk(clk), .reset(reset), .clear(clear), .busy(busy), .drained(drained),
+    .pixel_valid(pixel_valid), .pixel_ready(pixel_ready), .pixel_x(pixel_x), .pixel_y(pixel_y),
+    .pixel_value(pixel_value), .pixel_depth(pixel_depth),
+    .kept_valid(kept_valid), .kept_ready(kept_ready), .kept_x(kept_x), .kept_y(kept_y),
+    .kept_value(kept_value), .kept_depth(kept_depth)
+  );
+
+  (* hierconn *) wire \dut.valid_1 ;
+  (* hierconn *) wire \dut.valid_2 ;
+  (* hierconn *) wire \dut.valid_3 ;
+  (* hierconn *) wire \dut.valid_4 ;
+  (* hierconn *) wire \dut.kept_5 ;
+  (* hierconn *) wire \dut.passed_3 ;
+  (* hierconn *) wire \dut.passed_4 ;
+  (* hierconn *) wire \dut.same_4 ;
+  (* hierconn *) wire \dut.filling ;
+  (* hierconn *) wire \dut.draining ;
+  (* hierconn *) wire \dut.advance ;
+  (* hierconn *) wire \dut.write_enable ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.row_1 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.address_2 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.address_3 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.address_4 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.address_5 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.write_address ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.fill_address ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_1 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_2 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_3 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_4 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_5 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_3 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_4 ;
+  (* hierconn *) wire [depth_bits:0] \dut.read_data ;
+  (* hierconn *) wire [depth_bits:0] \dut.write_data ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_1 ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_2 ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_3 ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_4 ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_5 ;
+
+  (* anyconst *) wire [coord_bits - 1:0] x, y;
+  always @* assume (x < width && y < height);
+  wire [address_bits - 1:0] place = y * width + x;
+
+  // Two stored words that mean the same: whatever stands below the mark of an empty place.
+  function same(input [depth_bits:0] one, input [depth_bits:0] other);
+    same = one[depth_bits] ? other[depth_bits] : one == other;
+  endfunction
+
+  // The memory, at this place: its word, and whether the two registers of the read port hold it for certain.
+  reg [depth_bits:0] word, fetched, read;
+  reg fetched_known = 0, read_known = 0;
+  wire written = \dut.write_enable && \dut.write_address == place;
+  always @(posedge clk) begin
+    if (written) word <= \dut.write_data ;
+    if (\dut.advance ) begin
+      fetched <= word;
+      fetched_known <= \dut.address_2 == place && !written;
+      read <= fetched;
+      read_known <= fetched_known;
+    end
+  end
+  always @* if (read_known) assume (\dut.read_data == read);
+
+  // The ideal z-buffer at this place, after the pixel in stage k and all ahead of it; stage 6 has left.
+  reg [depth_bits:0] ideal_1 = empty, ideal_2 = empty, ideal_3 = empty;
+  reg [depth_bits:0] ideal_4 = empty, ideal_5 = empty, ideal_6 = empty;
+  reg hit_1 = 0, hit_2 = 0, hit_3 = 0, hit_4 = 0, won_1 = 0, won_2 = 0, won_3 = 0, won_4 = 0, won_5 = 0;
+  reg [pixel_bits - 1:0] pixel_1, pixel_2, pixel_3, pixel_4, pixel_5;
+  reg cleared = 1;
+  wire hit = pixel_valid && pixel_ready && pixel_x == x && pixel_y == y;
+  wire win = hit && pixel_depth < ideal_1;
+  always @(posedge clk) begin
+    if (\dut.advance ) begin
+      ideal_1 <= win ? pixel_depth : ideal_1;
+      {hit_1, hit_2, hit_3, hit_4} <= {hit, hit_1, hit_2, hit_3};
+      {won_1, won_2, won_3, won_4, won_5} <= {win, won_1, won_2, won_3, won_4};
+      {ideal_2, ideal_3, ideal_4, ideal_5, ideal_6} <= {ideal_1, ideal_2, ideal_3, ideal_4, ideal_5};
+      pixel_1 <= {pixel_value, pixel_y, pixel_x};
+      {pixel_2, pixel_3, pixel_4, pixel_5} <= {pixel_1, pixel_2, pixel_3, pixel_4};
+    end
+    if (clear && !busy) cleared <= 0;
+    if (drained) cleared <= 1;
+    if (reset || drained) begin
+      cleared <= 1;
+      {hit_1, hit_2, hit_3, hit_4} <= 0;
+      {won_1, won_2, won_3, won_4, won_5} <= 0;
+      {ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6} <= {6{empty}};
+    end
+  end
+
+  wire any = \dut.valid_1 || \dut.valid_2 || \dut.valid_3 || \dut.valid_4 || \dut.kept_5 ;
+  always @* begin
+    // What is claimed: a pixel of this place is kept if and only if the ideal z-buffer keeps it.
+    assert (won_5 == (\dut.kept_5 && \dut.address_5 == place));
+    if (won_5) assert (\dut.pixel_5 == pixel_5);
+    if (drained) assert (!any && !kept_valid);
+    if (!busy) assert (cleared);
+    if (busy) assert (!pixel_ready);
+
+    // Why it holds, stage by stage.
+    if (\dut.valid_1 ) assert (\dut.row_1 + \dut.pixel_1 [coord_bits - 1:0] < words);
+    assert (hit_1 == (\dut.valid_1 && \dut.row_1 + \dut.pixel_1 [coord_bits - 1:0] == place));
+    assert (hit_2 == (\dut.valid_2 && \dut.address_2 == place));
+    assert (hit_3 == (\dut.valid_3 && \dut.address_3 == place));
+    assert (hit_4 == (\dut.valid_4 && \dut.address_4 == place));
+    if (hit_1) assert (\dut.pixel_1 == pixel_1);
+    if (hit_2) assert (\dut.pixel_2 == pixel_2);
+    if (hit_3) assert (\dut.pixel_3 == pixel_3);
+    if (hit_4) assert (\dut.pixel_4 == pixel_4);
+    assert (won_1 == (hit_1 && \dut.depth_1 < ideal_2) && ideal_1 == (won_1 ? \dut.depth_1 : ideal_2));
+    assert (won_2 == (hit_2 && \dut.depth_2 < ideal_3) && ideal_2 == (won_2 ? \dut.depth_2 : ideal_3));
+    assert (won_3 == (hit_3 && \dut.depth_3 < ideal_4) && ideal_3 == (won_3 ? \dut.depth_3 : ideal_4));
+    assert (won_4 == (hit_4 && \dut.depth_4 < ideal_5) && ideal_4 == (won_4 ? \dut.depth_4 : ideal_5));
+    assert (ideal_5 == (won_5 ? \dut.depth_5 : ideal_6));
+    if (hit_3 && \dut.passed_3 ) assert (ideal_6 == \dut.passed_depth_3 );
+    if (hit_3 && !\dut.passed_3 ) assert (fetched_known && same(fetched, ideal_6));
+    if (hit_4 && \dut.passed_4 ) assert (ideal_6 == \dut.passed_depth_4 );
+    if (hit_4 && !\dut.passed_4 ) assert (read_known && same(read, ideal_6));
+    if (hit_4) assert (\dut.same_4 == (\dut.address_5 == place));
+    if (!\dut.filling ) assert (same(word, ideal_5) || same(word, ideal_6));
+    if (!\dut.filling && !won_5) assert (same(word, ideal_6));
+
+    // The fill.
+    assert (busy == (\dut.filling || \dut.draining ) && !(\dut.filling && \dut.draining ));
+    assert (\dut.fill_address < words && (\dut.filling || \dut.fill_address == 0));
+    if (\dut.filling ) assert (cleared && !any);
+    if (\dut.filling && \dut.fill_address > place) assert (word[depth_bits]);
+    if (\dut.filling || (busy && cleared)) assert ({ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6} == {6{empty}});
+    if (\dut.draining ) assert (!cleared);
+  end
+
+  // AXI4-Stream: a shown pixel stays until it is taken.
+  wire [pixel_bits + depth_bits - 1:0] shown = {kept_depth, kept_value, kept_y, kept_x};
+  reg held = 0;
+  reg [pixel_bits + depth_bits - 1:0] held_pixel;
+  always @(posedge clk) begin
+    held <= kept_valid && !kept_ready && !reset;
+    held_pixel <= shown;
+  end
+  always @* if (held) assert (kept_valid && shown == held_pixel);
+
+endmodule

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Memory of a write and a read port, cycle by cycle (``rtl/block_ram.vhd``)."""
+
+from __future__ import annotations
+
+
+class BlockRam:
+    """
+    Memory without initial contents, read through two registers.
+
+    Attributes
+    ----------
+    words : dict of int
+      By address; what was never written is not there.
+    fetched, read_data : int or None
+      The read port's registers; None where the word is undefined.
+    """
+
+    def __init__(self) -> None:
+        self.words: dict[int, int] = {}
+        self.fetched: int | None = None
+        self.read_data: int | None = None
+
+    def clock(self, write: tuple[int, int] | None, read_address: int | None) -> None:
+        """
+        One clock edge.
+
+        Parameters
+        ----------
+        write : (int, int) or None
+          Address and word.
+        read_address : int or None
+          None if the read port is not enabled.
+        """
+        if read_address is not None:
+            self.read_data = self.fetched
+            collides = write is not None and write[0] == read_address
+            self.fetched = None if collides else self.words.get(read_address)
+        if write is not None:
+            self.words[write[0]] = write[1]

@@ -1,0 +1,245 @@
+-- SPDX-License-Identifier: Apache-2.0
+--
+-- z-buffer: a pixel is kept if it is nearer than all before it at its place since the last clear; of equally
+-- near ones the first stays. A pixel outside the screen is dropped.
+--
+-- Model: depth_test.py.  Test: test_depth_test.py.
+-- Latency: 6 cycles.  One pixel per cycle, whatever places follow each other: a pixel is compared with the
+-- three ahead of it, whose depths are not yet in the memory, on its way.
+-- Clear: width * height + 1 cycles once the pixels ahead have left. Generation bits that spare most fills
+-- were weighed: two bits a word more, and a fill of 320 x 240 is 0.8 ms at 100 MHz, where a serial line of
+-- 1 Mbaud needs half a second for a scene.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use work.screen_pkg.all;
+
+entity depth_test is
+  generic (
+    width : positive := 320;
+    height : positive := 240;
+    coord_bits : positive := 12;
+    value_bits : positive := 24;
+    depth_bits : positive := 16
+  );
+  port (
+    clk : in std_ulogic;
+    -- Starts a clear too.
+    reset : in std_ulogic;
+
+    -- Taken in any cycle without busy; a pixel accepted in that cycle is still before the clear.
+    clear : in std_ulogic;
+    busy : out std_ulogic;
+    -- One cycle of busy: every kept pixel from before the clear has been taken.
+    drained : out std_ulogic;
+
+    pixel_valid : in std_ulogic;
+    pixel_ready : out std_ulogic;
+    pixel_x : in u_unsigned(coord_bits - 1 downto 0);
+    pixel_y : in u_unsigned(coord_bits - 1 downto 0);
+    pixel_value : in u_unsigned(value_bits - 1 downto 0);
+    pixel_depth : in u_unsigned(depth_bits - 1 downto 0);
+
+    kept_valid : out std_ulogic;
+    kept_ready : in std_ulogic;
+    kept_x : out u_unsigned(coord_bits - 1 downto 0);
+    kept_y : out u_unsigned(coord_bits - 1 downto 0);
+    kept_value : out u_unsigned(value_bits - 1 downto 0);
+    kept_depth : out u_unsigned(depth_bits - 1 downto 0)
+  );
+end entity;
+
+architecture rtl of depth_test is
+
+  constant num_words : positive := width * height;
+  constant address_width : positive := address_bits(num_words);
+  -- A bit above the depth marks a place where nothing was drawn: it is farther than every depth.
+  constant stored_bits : positive := depth_bits + 1;
+  constant pixel_bits : positive := value_bits + 2 * coord_bits;
+
+  subtype address_t is u_unsigned(address_width - 1 downto 0);
+  subtype depth_t is u_unsigned(depth_bits - 1 downto 0);
+  subtype pixel_t is u_unsigned(pixel_bits - 1 downto 0);
+
+  -- Numbered by stage: row of the pixel, its address, twice the memory's registers, kept or not.
+  signal valid_1, valid_2, valid_3, valid_4 : std_ulogic := '0';
+  signal pixel_1, pixel_2, pixel_3, pixel_4, pixel_5 : pixel_t := (others => '0');
+  signal depth_1, depth_2, depth_3, depth_4, depth_5 : depth_t := (others => '0');
+  signal row_1, address_2, address_3, address_4, address_5 : address_t := (others => '0');
+  -- The pixel in stage 5 is kept: its depth is being written.
+  signal kept_5 : std_ulogic := '0';
+
+  -- Since the read began this was written at the pixel's place.
+  signal passed_3, passed_4 : std_ulogic := '0';
+  signal passed_depth_3, passed_depth_4 : depth_t := (others => '0');
+  -- The pixel in stage 4 has the place of the one in stage 5.
+  signal same_4 : std_ulogic := '0';
+
+  signal place : u_unsigned(2 * coord_bits - 1 downto 0);
+  signal passed_now_2, passed_now_3, nearer : std_ulogic;
+  signal stored : u_unsigned(stored_bits - 1 downto 0);
+  signal read_data, write_data : std_ulogic_vector(stored_bits - 1 downto 0);
+  signal write_enable : std_ulogic;
+  signal write_address : address_t;
+
+  signal draining : std_ulogic := '0';
+  signal closed, filling : std_ulogic := '1';
+  signal fill_address : address_t := (others => '0');
+  signal advance, accept, on_screen, emptied : std_ulogic;
+
+  signal emitted, shown : std_ulogic_vector(pixel_bits + depth_bits - 1 downto 0);
+  signal shown_valid : std_ulogic;
+
+begin
+
+  assert width <= 2**coord_bits and height <= 2**coord_bits
+    report "depth_test: the screen is " & integer'image(width) & " by " & integer'image(height)
+      & ", coord_bits = " & integer'image(coord_bits) & " allow " & integer'image(2**coord_bits)
+    severity failure;
+
+  pixel_ready <= advance and not closed;
+  accept <= pixel_valid and advance and not closed;
+  on_screen <= '1' when resize(pixel_x, coord_bits + 1) < to_unsigned(width, coord_bits + 1)
+    and resize(pixel_y, coord_bits + 1) < to_unsigned(height, coord_bits + 1) else '0';
+  place <= pixel_y & pixel_x;
+
+  addressing : process (clk)
+  begin
+    if rising_edge(clk) then
+      if advance = '1' then
+        row_1 <= row_address(pixel_y, width, address_width);
+        -- What is not on the screen never becomes an address.
+        if valid_1 = '1' then
+          address_2 <= row_1 + resize(pixel_1(coord_bits - 1 downto 0), address_width);
+        end if;
+        address_3 <= address_2;
+        address_4 <= address_3;
+        address_5 <= address_4;
+      end if;
+    end if;
+  end process;
+
+  passed_now_2 <= '1' when kept_5 = '1' and address_2 = address_5 else '0';
+  passed_now_3 <= '1' when kept_5 = '1' and address_3 = address_5 else '0';
+
+  hazards : process (clk)
+  begin
+    if rising_edge(clk) then
+      if advance = '1' then
+        passed_3 <= passed_now_2;
+        passed_depth_3 <= depth_5;
+        passed_4 <= passed_3 or passed_now_3;
+        if passed_now_3 = '1' then
+          passed_depth_4 <= depth_5;
+        else
+          passed_depth_4 <= passed_depth_3;
+        end if;
+        same_4 <= '0';
+        if address_3 = address_4 then
+          same_4 <= '1';
+        end if;
+      end if;
+    end if;
+  end process;
+
+  stored <= '0' & depth_5 when same_4 = '1' and kept_5 = '1'
+    else '0' & passed_depth_4 when passed_4 = '1'
+    else unsigned(read_data);
+  nearer <= '1' when '0' & depth_4 < stored else '0';
+
+  pipeline : process (clk)
+  begin
+    if rising_edge(clk) then
+      if advance = '1' then
+        valid_1 <= accept and on_screen;
+        valid_2 <= valid_1;
+        valid_3 <= valid_2;
+        valid_4 <= valid_3;
+        kept_5 <= valid_4 and nearer;
+        pixel_1 <= pixel_value & place;
+        pixel_2 <= pixel_1;
+        pixel_3 <= pixel_2;
+        pixel_4 <= pixel_3;
+        pixel_5 <= pixel_4;
+        depth_1 <= pixel_depth;
+        depth_2 <= depth_1;
+        depth_3 <= depth_2;
+        depth_4 <= depth_3;
+        depth_5 <= depth_4;
+      end if;
+      if reset = '1' then
+        valid_1 <= '0';
+        valid_2 <= '0';
+        valid_3 <= '0';
+        valid_4 <= '0';
+        kept_5 <= '0';
+      end if;
+    end if;
+  end process;
+
+  emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or kept_5 or shown_valid);
+
+  clearing : process (clk)
+  begin
+    if rising_edge(clk) then
+      if closed = '0' and clear = '1' then
+        closed <= '1';
+        draining <= '1';
+      end if;
+      if draining = '1' and emptied = '1' then
+        draining <= '0';
+        filling <= '1';
+      end if;
+      if filling = '1' then
+        fill_address <= fill_address + 1;
+        if fill_address = num_words - 1 then
+          fill_address <= (others => '0');
+          filling <= '0';
+          closed <= '0';
+        end if;
+      end if;
+      if reset = '1' then
+        fill_address <= (others => '0');
+        closed <= '1';
+        draining <= '0';
+        filling <= '1';
+      end if;
+    end if;
+  end process;
+
+  busy <= closed;
+  drained <= draining and emptied;
+
+  -- A stalled pixel is written again and again, the same each time.
+  write_enable <= kept_5 or filling;
+  write_address <= fill_address when filling = '1' else address_5;
+  write_data(stored_bits - 1) <= filling;
+  write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_5);
+
+  memory_inst : entity work.block_ram
+    generic map (num_words => num_words, data_bits => stored_bits)
+    port map (
+      clk => clk,
+      write_enable => write_enable, write_address => write_address, write_data => write_data,
+      read_enable => advance, read_address => address_2, read_data => read_data
+    );
+
+  emitted <= std_ulogic_vector(depth_5 & pixel_5);
+
+  output_inst : entity work.skid_buffer
+    generic map (data_bits => pixel_bits + depth_bits)
+    port map (
+      clk => clk, reset => reset,
+      input_valid => kept_5, input_ready => advance, input_data => emitted,
+      output_valid => shown_valid, output_ready => kept_ready, output_data => shown
+    );
+
+  kept_valid <= shown_valid;
+  kept_x <= unsigned(shown(coord_bits - 1 downto 0));
+  kept_y <= unsigned(shown(2 * coord_bits - 1 downto coord_bits));
+  kept_value <= unsigned(shown(pixel_bits - 1 downto 2 * coord_bits));
+  kept_depth <= unsigned(shown(pixel_bits + depth_bits - 1 downto pixel_bits));
+
+end architecture;

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The models behind the pixel stream against something else: the host's own resolving, zlib, loops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from quadshade.errors import QuadshadeError
+from quadshade.golden.depth_test import DepthTest, empty_depths, kept_pixels
+from quadshade.image.framebuffer import visible
+from quadshade.triangles import Pixels
+
+WIDTH, HEIGHT, DEPTH_BITS = 9, 5, 4
+
+
+def random_stream(rng: np.random.Generator, count: int, beyond: int = 0) -> tuple[np.ndarray, ...]:
+    """x, y and depth of pixels, some of them outside the screen."""
+    x, y = rng.integers(0, WIDTH + beyond, count), rng.integers(0, HEIGHT + beyond, count)
+    return x, y, rng.integers(0, 1 << DEPTH_BITS, count)
+
+
+def test_last_kept_pixel_of_a_place_is_what_the_host_shows(rng: np.random.Generator) -> None:
+    for count in (0, 1, 30, 2000):
+        x, y, depth = random_stream(rng, count)
+        kept = np.flatnonzero(kept_pixels(x, y, depth, empty_depths(WIDTH, HEIGHT, DEPTH_BITS)))
+        shown = np.full((HEIGHT, WIDTH), -1)
+        for index in kept:
+            shown[y[index], x[index]] = index
+        value = np.zeros((count, 1), dtype=np.int32)
+        pixels = Pixels(np.zeros(count, np.int32), x, y, value, depth)
+        assert np.array_equal(shown, visible(pixels, WIDTH, HEIGHT))
+
+
+def test_compiled_z_buffer_is_the_scalar_one(rng: np.random.Generator) -> None:
+    model, stored = DepthTest(WIDTH, HEIGHT, DEPTH_BITS), empty_depths(WIDTH, HEIGHT, DEPTH_BITS)
+    for _ in range(3):
+        x, y, depth = random_stream(rng, 300, beyond=2)
+        expected = [model.test(*pixel) for pixel in zip(x.tolist(), y.tolist(), depth.tolist(), strict=True)]
+        assert kept_pixels(x, y, depth, stored).tolist() == expected
+        assert stored.ravel().tolist() == model.stored
+
+
+def test_farthest_depth_is_drawn_where_nothing_was() -> None:
+    model = DepthTest(1, 1, 2)
+    assert [model.test(0, 0, depth) for depth in (3, 3, 2, 2)] == [True, False, True, False]
+    model.clear()
+    assert model.test(0, 0, 3)
+
+
+def test_negative_coordinates_are_refused() -> None:
+    with pytest.raises(QuadshadeError, match="negative coordinate"):
+        kept_pixels(np.array([-1]), np.array([0]), np.array([0]), empty_depths(2, 2, 4))
