@@ -2,6 +2,13 @@
 # All RTL, bottom-up; every tool reads this list.
 rtl/quadshade_pkg.vhd
 rtl/link_pkg.vhd
+rtl/screen_pkg.vhd
+rtl/block_ram.vhd
+rtl/crc32.vhd
+rtl/uart_rx.vhd
+rtl/uart_tx.vhd
+rtl/cobs_decoder.vhd
+rtl/cobs_encoder.vhd
 rtl/skid_buffer.vhd
 rtl/setup_loader.vhd
 rtl/edge_dda.vhd
@@ -14,6 +21,4 @@ rtl/output_clamp.vhd
 rtl/lane_handshake.vhd
 rtl/channel_lane.vhd
 rtl/raster_core.vhd
-rtl/screen_pkg.vhd
-rtl/block_ram.vhd
 rtl/depth_test.vhd
