@@ -100,6 +100,7 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "fraction": point.fraction,
         "subdivision": point.subdivision,
         "word_width": formats.word_width,
+        "mesh_triangles": stage.mesh_triangles,
         "triangles": len(parts),
         "refused": None,
     }
@@ -110,7 +111,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         setup_triangles(triangles, formats)
     except QuadshadeError as refusal:
         return Measured(record | dict.fromkeys(MEASURED) | {"refused": str(refusal)}, {})
-    drawing = draw(triangles, formats, engine)
+    # No division for the bound of the rounding: what few fraction bits cost is what is looked for.
+    drawing = draw(triangles, formats, engine, limit=None)
     shown = visible(drawing.pixels, parts.width, parts.height)
     picture = paint(shown, drawing.pixels.value, BACKGROUND, (1 << formats.value_bits) - 1)
     quality = psnr(picture, stage.reference)
@@ -121,7 +123,7 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "rms": float(np.sqrt(np.mean(difference**2))),
         "max_error": int(np.abs(difference).max()),
         "bytes": stats["words"] * (LANE_BITS // 8),
-        "bytes_per_triangle": stats["words"] * (LANE_BITS // 8) / max(len(triangles), 1),
+        "bytes_per_triangle": stats["words"] * (LANE_BITS // 8) / max(stage.mesh_triangles, 1),
         "clocks": stats["clocks"],
         "pixels": stats["pixels"],
         "clocks_per_pixel": stats["clocks_per_pixel"],

@@ -213,8 +213,25 @@ def _write_references(stages: dict[str, Stage], folder: Path) -> dict[str, str]:
 
 def _write(folder: Path, result: Sweep) -> None:
     """``trade.json`` and ``trade.csv``, each whole or not at all."""
-    columns = ("name", "shading", "order", "fraction", "subdivision", "word_width", "triangles", "refused")
-    columns += (*MEASURED, *CELLS, *(f"pareto_{cost}" for cost in COSTS), "picture", "error_map", "reference")
+    columns = (
+        "name",
+        "shading",
+        "order",
+        "fraction",
+        "subdivision",
+        "word_width",
+        "mesh_triangles",
+        "triangles",
+    )
+    columns += (
+        "refused",
+        *MEASURED,
+        *CELLS,
+        *(f"pareto_{cost}" for cost in COSTS),
+        "picture",
+        "error_map",
+        "reference",
+    )
     written = {}
     for name in ("trade.json", "trade.csv"):
         written[name] = folder / f".{name}.tmp"

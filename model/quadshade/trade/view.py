@@ -80,6 +80,8 @@ class Stage:
     Attributes
     ----------
     projected : Projected
+    mesh_triangles : int
+      Triangles before division.
     lights : tuple of lights or None
     material : Material
     reference : (height, width, 3) uint8
@@ -87,6 +89,7 @@ class Stage:
     """
 
     projected: Projected
+    mesh_triangles: int
     lights: tuple[Light, ...] | None
     material: Material
     reference: np.ndarray
@@ -118,4 +121,4 @@ def stage(view: View, projected: Projected, subdivision: str, formats: Formats) 
         parts, pixels.triangle[seen], pixels.x[seen], pixels.y[seen], view.lamps, view.surface, formats
     )
     picture = paint(shown, value, BACKGROUND, (1 << formats.value_bits) - 1)
-    return Stage(parts, view.lamps, view.surface, picture)
+    return Stage(parts, len(projected), view.lamps, view.surface, picture)
