@@ -52,6 +52,14 @@ hostspeed: setup ## measure set-up, host path and golden model on one core, writ
 stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
 	@$(VENV) scripts/stability.py
 
+.PHONY: extremes
+extremes: setup ## measure error over triangle size and fraction, write docs/reports/extremes.md
+	@$(VENV) scripts/extremes.py
+
+.PHONY: continuity
+continuity: setup ## measure Mach bands and fractional stepping, write docs/reports/continuity.md
+	@$(VENV) scripts/continuity.py
+
 .PHONY: simspeed
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
 	@$(VENV) scripts/simspeed.py

@@ -44,6 +44,43 @@ def barycentric(
     return np.stack([1 - second - third, second, third], axis=-1)
 
 
+def polynomial(samples: np.ndarray, orders: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """
+    The polynomial through triangles' samples, at any place.
+
+    Written with the six shape functions of a quadratic triangle, not with the set-up's coefficients.
+
+    Parameters
+    ----------
+    samples : (m, c, 6) float64
+    orders : (m, c) int64
+    weights : (m, 3) float64
+      Barycentric coordinates; outside of the triangle the polynomial goes on.
+
+    Returns
+    -------
+    (m, c) float64
+    """
+    first, second, third = weights.T
+    flat = np.zeros((len(weights), 6))
+    flat[:, 0] = 1
+    linear = np.zeros((len(weights), 6))
+    linear[:, :3] = weights
+    quadratic = np.concatenate(
+        [
+            weights * (2 * weights - 1),
+            np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1),
+        ],
+        axis=-1,
+    )
+    values = np.empty(samples.shape[:2])
+    for channel in range(values.shape[1]):
+        order = orders[:, channel][:, None]
+        shape = np.where(order == QUADRATIC, quadratic, np.where(order == LINEAR, linear, flat))
+        values[:, channel] = (shape * samples[:, channel]).sum(axis=-1)
+    return values
+
+
 def interpolated(
     triangles: ScreenTriangles,
     triangle: np.ndarray,
@@ -53,8 +90,6 @@ def interpolated(
 ) -> np.ndarray:
     """
     Flat, Gouraud and quadratic shading in float: the polynomial through the samples, at pixel centres.
-
-    Written with the six shape functions of a quadratic triangle, not with the set-up's coefficients.
 
     Parameters
     ----------
@@ -74,22 +109,7 @@ def interpolated(
     for rows in _chunks(len(triangle)):
         owner = triangle[rows]
         weights = barycentric(triangles.vertices, owner, x[rows], y[rows], formats.subpixel_bits)
-        first, second, third = weights.T
-        flat = np.zeros((len(owner), 6))
-        flat[:, 0] = 1
-        linear = np.zeros((len(owner), 6))
-        linear[:, :3] = weights
-        quadratic = np.concatenate(
-            [
-                weights * (2 * weights - 1),
-                np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1),
-            ],
-            axis=-1,
-        )
-        for channel in range(values.shape[1]):
-            order = triangles.orders[owner, channel][:, None]
-            shape = np.where(order == QUADRATIC, quadratic, np.where(order == LINEAR, linear, flat))
-            values[rows, channel] = (shape * triangles.samples[owner, channel]).sum(axis=-1)
+        values[rows] = polynomial(triangles.samples[owner], triangles.orders[owner], weights)
     return np.clip(values, 0, 2.0**formats.value_bits - 1)
 
 
