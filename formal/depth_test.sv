@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// depth_test against an ideal z-buffer that decides when a pixel is accepted, at one free place. The memory is
-// cut out; a word that is read in the cycle of its writing is free.
+// depth_test against an ideal z-buffer that decides when a pixel is accepted, at one free place. The memory
+// is cut out; a word that is read in the cycle of its writing is free.
 
 module depth_test_properties #(
   parameter width = 3,
@@ -48,7 +48,7 @@ module depth_test_properties #(
   (* hierconn *) wire \dut.passed_4 ;
   (* hierconn *) wire \dut.same_4 ;
   (* hierconn *) wire \dut.filling ;
-  (* hierconn *) wire \dut.draining ;
+  (* hierconn *) wire \dut.clear_inst.draining ;
   (* hierconn *) wire \dut.advance ;
   (* hierconn *) wire \dut.write_enable ;
   (* hierconn *) wire [address_bits - 1:0] \dut.row_1 ;
@@ -157,12 +157,14 @@ module depth_test_properties #(
     if (!\dut.filling && !won_5) assert (same(word, ideal_6));
 
     // The fill.
-    assert (busy == (\dut.filling || \dut.draining ) && !(\dut.filling && \dut.draining ));
+    assert (busy == (\dut.filling || \dut.clear_inst.draining ));
+    assert (!(\dut.filling && \dut.clear_inst.draining ));
     assert (\dut.fill_address < words && (\dut.filling || \dut.fill_address == 0));
     if (\dut.filling ) assert (cleared && !any);
     if (\dut.filling && \dut.fill_address > place) assert (word[depth_bits]);
-    if (\dut.filling || (busy && cleared)) assert ({ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6} == {6{empty}});
-    if (\dut.draining ) assert (!cleared);
+    if (busy && cleared)
+      assert ({ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6} == {6{empty}});
+    if (\dut.clear_inst.draining ) assert (!cleared);
   end
 
   // AXI4-Stream: a shown pixel stays until it is taken.

@@ -84,9 +84,8 @@ architecture rtl of depth_test is
   signal write_enable : std_ulogic;
   signal write_address : address_t;
 
-  signal draining : std_ulogic := '0';
-  signal closed, filling : std_ulogic := '1';
-  signal fill_address : address_t := (others => '0');
+  signal closed, filling : std_ulogic;
+  signal fill_address : address_t;
   signal advance, accept, on_screen, emptied : std_ulogic;
 
   signal emitted, shown : std_ulogic_vector(pixel_bits + depth_bits - 1 downto 0);
@@ -181,36 +180,14 @@ begin
 
   emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or kept_5 or shown_valid);
 
-  clearing : process (clk)
-  begin
-    if rising_edge(clk) then
-      if closed = '0' and clear = '1' then
-        closed <= '1';
-        draining <= '1';
-      end if;
-      if draining = '1' and emptied = '1' then
-        draining <= '0';
-        filling <= '1';
-      end if;
-      if filling = '1' then
-        fill_address <= fill_address + 1;
-        if fill_address = num_words - 1 then
-          fill_address <= (others => '0');
-          filling <= '0';
-          closed <= '0';
-        end if;
-      end if;
-      if reset = '1' then
-        fill_address <= (others => '0');
-        closed <= '1';
-        draining <= '0';
-        filling <= '1';
-      end if;
-    end if;
-  end process;
+  clear_inst : entity work.memory_clear
+    generic map (num_words => num_words)
+    port map (
+      clk => clk, reset => reset, clear => clear, emptied => emptied,
+      busy => closed, drained => drained, filling => filling, fill_address => fill_address
+    );
 
   busy <= closed;
-  drained <= draining and emptied;
 
   -- A stalled pixel is written again and again, the same each time.
   write_enable <= kept_5 or filling;

@@ -8,7 +8,8 @@ import pytest
 
 from quadshade.errors import QuadshadeError
 from quadshade.golden.depth_test import DepthTest, empty_depths, kept_pixels
-from quadshade.image.framebuffer import visible
+from quadshade.golden.framebuffer import Framebuffer, draw_pixels
+from quadshade.image.framebuffer import resolve, visible
 from quadshade.triangles import Pixels
 
 WIDTH, HEIGHT, DEPTH_BITS = 9, 5, 4
@@ -51,3 +52,25 @@ def test_farthest_depth_is_drawn_where_nothing_was() -> None:
 def test_negative_coordinates_are_refused() -> None:
     with pytest.raises(QuadshadeError, match="negative coordinate"):
         kept_pixels(np.array([-1]), np.array([0]), np.array([0]), empty_depths(2, 2, 4))
+
+
+@pytest.mark.parametrize("with_depth", [True, False])
+def test_framebuffer_holds_the_hosts_picture(rng: np.random.Generator, with_depth: bool) -> None:
+    background = (10, 20, 30)
+    x, y, depth = random_stream(rng, 500)
+    value = rng.integers(0, 256, (500, 3)).astype(np.int32)
+    pixels = Pixels(np.zeros(500, np.int32), x, y, value, depth if with_depth else None)
+    picture = draw_pixels(x, y, value, pixels.depth, WIDTH, HEIGHT, DEPTH_BITS, background)
+    assert np.array_equal(picture, resolve(pixels, WIDTH, HEIGHT, background))
+
+
+@pytest.mark.parametrize("with_depth", [True, False])
+def test_compiled_framebuffer_is_the_scalar_one(rng: np.random.Generator, with_depth: bool) -> None:
+    x, y, depth = random_stream(rng, 400, beyond=3)
+    value = rng.integers(0, 256, (400, 1))
+    test, model = DepthTest(WIDTH, HEIGHT, DEPTH_BITS), Framebuffer(WIDTH, HEIGHT, clear_value=7)
+    for pixel in zip(x.tolist(), y.tolist(), depth.tolist(), value[:, 0].tolist(), strict=True):
+        if not with_depth or test.test(*pixel[:3]):
+            model.write(*pixel[:2], pixel[3])
+    picture = draw_pixels(x, y, value, depth if with_depth else None, WIDTH, HEIGHT, DEPTH_BITS, (7,))
+    assert picture.ravel().tolist() == model.words

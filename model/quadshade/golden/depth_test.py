@@ -22,7 +22,7 @@ class DepthTest:
     Attributes
     ----------
     stored : list of int
-      Nearest depth of every place in scanline order; 2**depth_bits, farther than any, where nothing was drawn.
+      Nearest depth of every place in scanline order; 2**depth_bits where nothing was drawn.
     """
 
     def __init__(self, width: int, height: int, depth_bits: int) -> None:
