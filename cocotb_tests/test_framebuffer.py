@@ -57,7 +57,7 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
     # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
     offers, looks = SPEEDS[pixels](bench.draw), SPEEDS[reads](bench.draw)
     model = Framebuffer(config.width, config.height)
-    # Pixels become readable three cycles after they are accepted; what is written just now may read as anything.
+    # Pixels are readable three cycles after they are accepted; one being written may read as anything.
     coming: deque[list[tuple[int, int, int]]] = deque([[], []])
     fetched, shown = None, None
     busy = words

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// framebuffer against an ideal memory at one free place: what is written there is the last pixel accepted, or
-// the colour of a clear after it. The memory is cut out: what it reads is not looked at, only what it is given.
+// framebuffer against an ideal memory at one free place: what is written there is the last pixel accepted,
+// or the colour of a clear after it. The memory is cut out: only what it is given is looked at.
 
 module framebuffer_properties #(
   parameter width = 3,
