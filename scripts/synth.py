@@ -55,8 +55,8 @@ def run(device: str | None, board: str | None, seeds: int, generics: tuple[str, 
     area, path = result.area, result.typical.path
     print(f"{chosen.name}: {result.fmax_mhz:.1f} MHz, median of {seeds} seeds")
     print(
-        f"  LUT4 {area.lut4} (of these in {area.carry} carry cells: {area.carry_luts}), flip-flops {area.ff}, "
-        f"block RAM {area.bram}, multipliers {area.dsp}"
+        f"  LUT4 {area.lut4} (of these in {area.carry} carry cells: {area.carry_luts}), "
+        f"flip-flops {area.ff}, block RAM {area.bram}, multipliers {area.dsp}"
     )
     print(f"  critical path: {path.source} to {path.sink}")
     print(f"  {path.logic_ns} ns logic in {path.levels} levels, {path.routing_ns} ns routing")
@@ -92,7 +92,8 @@ def show(rows: list[dict]) -> None:
             f"{row['fmax_mhz']:.1f}",
             f"{row['lone_mhz']:.1f}",
             f"{row['ratio']:.3f}",
-            f"{path['source']} to {path['sink']}: {path['logic_ns']} ns logic, {path['routing_ns']} ns routing",
+            f"{path['source']} to {path['sink']}: {path['logic_ns']} ns logic, "
+            f"{path['routing_ns']} ns routing",
         )
     printer = Console()
     printer.width = max(printer.width, 150)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Synthesis: devices and boards, the harness, the tools' reports, the resource table; `make synth-check` places."""
+"""Synthesis: devices, boards, harness, the tools' reports, the resource table; `make synth-check` places."""
 
 from __future__ import annotations
 

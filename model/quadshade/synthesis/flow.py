@@ -32,7 +32,7 @@ from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
 from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz
 
 YOSYS = "pyosys"
-"""Native Yosys as a Python module; the WebAssembly one ends without a word in the middle of mapping the core."""
+"""Native Yosys as a Python module; the WebAssembly one ends without a word while it maps the core."""
 
 RUN_SCRIPT = "import sys; from pyosys import libyosys as y; y.run_pass('script ' + sys.argv[1], y.Design())"
 

@@ -2,7 +2,8 @@
 """
 ``synth/resources.json``: what each configuration costs and how fast it is, beside the fabric's own limit.
 
-A row is given by name, device, generics and floor; the rest is measured. The README's table is written from it.
+A row is given by name, device, generics and floor; the rest is measured. The README's table is written
+from it.
 """
 
 from __future__ import annotations
@@ -138,7 +139,7 @@ def tools(rows: Sequence[Mapping]) -> list[str]:
 
 
 def differences(row: Mapping, fresh: Mapping) -> list[str]:
-    """What is wrong with a fresh measurement of a row: other cells than in the table, or a clock under the floor."""
+    """What is wrong with a fresh measurement of a row: other cells than in the table, a clock under its floor."""
     found = [
         f"{row['name']} on {row['device']}: {kind} is {fresh['area'][kind]}, the table says {number}"
         for kind, number in row["area"].items()
@@ -159,14 +160,15 @@ def timing_failures(row: Mapping) -> list[str]:
 def markdown(table: Mapping) -> str:
     """The table as Markdown."""
     lines = [
-        "| configuration | device | LUT4 | flip-flops | block RAM | multipliers | MHz | lone accumulator | ratio |",
+        "| configuration | device | LUT4 | flip-flops | block RAM | multipliers "
+        "| MHz | lone accumulator | ratio |",
         "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for row in table["rows"]:
         area = row["area"]
         lines.append(
-            f"| {row['name']} | {row['device']} | {area['lut4']} | {area['ff']} | {area['bram']} | {area['dsp']} "
-            f"| {row['fmax_mhz']:.0f} | {row['lone_mhz']:.0f} | {row['ratio']:.2f} |"
+            f"| {row['name']} | {row['device']} | {area['lut4']} | {area['ff']} | {area['bram']} "
+            f"| {area['dsp']} | {row['fmax_mhz']:.0f} | {row['lone_mhz']:.0f} | {row['ratio']:.2f} |"
         )
     return "\n".join(lines)
 
