@@ -139,7 +139,7 @@ def tools(rows: Sequence[Mapping]) -> list[str]:
 
 
 def differences(row: Mapping, fresh: Mapping) -> list[str]:
-    """What is wrong with a fresh measurement of a row: other cells than in the table, a clock under its floor."""
+    """What is wrong with a fresh measurement of a row: other cells than the table, a clock under its floor."""
     found = [
         f"{row['name']} on {row['device']}: {kind} is {fresh['area'][kind]}, the table says {number}"
         for kind, number in row["area"].items()
@@ -159,11 +159,9 @@ def timing_failures(row: Mapping) -> list[str]:
 
 def markdown(table: Mapping) -> str:
     """The table as Markdown."""
-    lines = [
-        "| configuration | device | LUT4 | flip-flops | block RAM | multipliers "
-        "| MHz | lone accumulator | ratio |",
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
+    head = ("configuration", "device", "LUT4", "flip-flops", "block RAM", "multipliers", "MHz")
+    head += ("lone accumulator", "ratio")
+    lines = [f"| {' | '.join(head)} |", "| --- | --- |" + " ---: |" * (len(head) - 2)]
     for row in table["rows"]:
         area = row["area"]
         lines.append(
