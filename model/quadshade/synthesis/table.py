@@ -139,7 +139,7 @@ def tools(rows: Sequence[Mapping]) -> list[str]:
 
 
 def differences(row: Mapping, fresh: Mapping) -> list[str]:
-    """What is wrong with a fresh measurement of a row: other cells than the table, a clock under its floor."""
+    """What is wrong with a fresh measurement of a row: other cells, or a clock under its floor."""
     found = [
         f"{row['name']} on {row['device']}: {kind} is {fresh['area'][kind]}, the table says {number}"
         for kind, number in row["area"].items()
