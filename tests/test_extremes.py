@@ -13,6 +13,7 @@ from quadshade.cli.main import main
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
+from quadshade.setup import divide
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.shading.reference import interpolated
 from quadshade.triangle_file import write_triangles
@@ -222,6 +223,26 @@ def test_a_limit_below_the_words_last_place_is_refused(rng):
     )
     with pytest.raises(QuadshadeError, match="no part of it is within 1e-05 grey levels of exact"):
         draw(triangles, LOW, limit=1e-5)
+    whole = Formats(num_channels=1, with_depth=0, frac_bits=0)
+    with pytest.raises(QuadshadeError, match="within 0.5 grey levels of exact with 0 fraction bits"):
+        draw(triangles, whole)
+    triangles.orders[:] = 0
+    assert draw(triangles, whole).stats["bound"] <= 0.5 * (1 + 2**-20)
+
+
+def test_division_in_chunks_is_division_at_once(rng, monkeypatch):
+    vertices = np.array([[[0, 0], [400, 100], [200, 450]], [[10, 300], [440, 12], [420, 444]]]) * 256
+    coarse = Formats(num_channels=1, with_depth=0, frac_bits=5)
+    triangles = screen_triangles(vertices, coarse, 450, 450, rng.uniform(0, 255, (2, 1, 6)))
+    once = setup_triangles(triangles, coarse, limit=MAX_ERROR)
+    monkeypatch.setattr(divide, "CHUNK", 3)
+    parts = setup_triangles(triangles, coarse, limit=MAX_ERROR)
+    assert len(parts) == len(once) > 100
+    for primitives in (once, parts):
+        assert (np.diff(primitives.triangle) >= 0).all()
+        assert (np.diff(primitives.header["y"])[np.diff(primitives.triangle) == 0] >= 0).all()
+    rows = [np.unique(one.words[:, 0], axis=0) for one in (once, parts)]
+    assert np.array_equal(*rows)
 
 
 def test_fractional_stepping_is_not_divided(rng):

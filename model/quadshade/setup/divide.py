@@ -10,6 +10,8 @@ the bound.
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 import numpy as np
 from numba import njit
 
@@ -34,6 +36,9 @@ from quadshade.setup.words import Colours, colour_words
 
 BARELY = 1.0 + 2.0**-20
 """A bound is computed a little too large; a constant channel without fraction bits is half a level off."""
+
+CHUNK = 4096
+"""Windows cut at a time."""
 
 LEFT, TOP, RIGHT, BOTTOM = range(4)
 
@@ -131,37 +136,54 @@ def divide(
       The bound is not met at a single pixel: the format's fraction is too short.
     """
     formats = colours.formats
-    channels, bits = formats.num_channels, formats.subpixel_bits
-    over = np.unique(cut.heads[beyond(bounds, channels, limit).any(axis=1), TRIANGLE])
+    over = np.unique(cut.heads[beyond(bounds, formats.num_channels, limit).any(axis=1), TRIANGLE])
     if not len(over):
         return cut, words, bounds
+    if limit <= 0.5 * 2.0**-formats.frac_bits:
+        _refuse(over[0], limit, formats.frac_bits)
     kept = ~np.isin(cut.heads[:, TRIANGLE], over)
     done = [(cut.heads[kept], cut.edges[kept], words[kept], bounds[kept])]
-    owners, windows = over, _first_windows(colours.vertices[over], width, height, bits)
+    owners, windows = over, _first_windows(colours.vertices[over], width, height, formats.subpixel_bits)
     while len(owners):
-        room = len(owners) * MAX_PRIMITIVES
-        heads, edges = np.empty((room, HEAD_FIELDS), np.int64), np.empty((room, 3, STATE_FIELDS), np.int64)
-        window_of = np.empty(room, np.int64)
-        count = _cut_windows(colours.vertices, owners, windows, bits, heads, edges, window_of)
-        heads, edges, window_of = heads[:count], edges[:count], window_of[:count]
-        part_words, part_bounds = colour_words(Cut(heads, edges), colours)
-        wrong = beyond(part_bounds, channels, limit).any(axis=1)
-        again = np.zeros(len(owners), dtype=bool)
-        again[window_of[wrong]] = True
-        good = ~again[window_of]
-        done.append((heads[good], edges[good], part_words[good], part_bounds[good]))
-        sizes = windows[:, [RIGHT, BOTTOM]] - windows[:, [LEFT, TOP]]
-        if (sizes[again] == 1).all(axis=1).any():
-            triangle = owners[again][np.argmax((sizes[again] == 1).all(axis=1))]
-            raise QuadshadeError(
-                f"triangle {triangle}: no part of it is within {limit:g} grey levels of exact with"
-                f" {formats.frac_bits} fraction bits",
-                "raise generic frac_bits or the limit",
-            )
-        extent = np.zeros((len(owners), 2))
-        np.maximum.at(extent, window_of, _extent(heads, edges))
-        across = (extent[:, 1] > extent[:, 0]) & (sizes[:, 0] > 1) | (sizes[:, 1] == 1)
-        owners, windows = np.repeat(owners[again], 2), _halves(windows[again], across[again])
+        # The last ones first: what waits is then at most a few windows for each halving.
+        parts, more_owners, more_windows = _try(owners[-CHUNK:], windows[-CHUNK:], limit, colours)
+        done.append(parts)
+        owners = np.concatenate([owners[:-CHUNK], more_owners])
+        windows = np.concatenate([windows[:-CHUNK], more_windows])
     heads, edges, words, bounds = (np.concatenate(column) for column in zip(*done, strict=True))
-    order = np.argsort(heads[:, TRIANGLE], kind="stable")
+    order = np.lexsort((heads[:, FIRST_Y], heads[:, TRIANGLE]))
     return Cut(heads[order], edges[order]), words[order], bounds[order]
+
+
+def _try(
+    owners: np.ndarray, windows: np.ndarray, limit: float, colours: Colours
+) -> tuple[tuple, np.ndarray, np.ndarray]:
+    """Primitives of the windows that hold the limit, and the halves of the others with their triangles."""
+    formats = colours.formats
+    room = len(owners) * MAX_PRIMITIVES
+    heads, edges = np.empty((room, HEAD_FIELDS), np.int64), np.empty((room, 3, STATE_FIELDS), np.int64)
+    window_of = np.empty(room, np.int64)
+    count = _cut_windows(colours.vertices, owners, windows, formats.subpixel_bits, heads, edges, window_of)
+    heads, edges, window_of = heads[:count], edges[:count], window_of[:count]
+    words, bounds = colour_words(Cut(heads, edges), colours)
+    again = np.zeros(len(owners), dtype=bool)
+    again[window_of[beyond(bounds, formats.num_channels, limit).any(axis=1)]] = True
+    sizes = windows[:, [RIGHT, BOTTOM]] - windows[:, [LEFT, TOP]]
+    single = again & (sizes == 1).all(axis=1)
+    if single.any():
+        _refuse(owners[np.argmax(single)], limit, formats.frac_bits)
+    extent = np.zeros((len(owners), 2))
+    np.maximum.at(extent, window_of, _extent(heads, edges))
+    across = (extent[:, 1] > extent[:, 0]) & (sizes[:, 0] > 1) | (sizes[:, 1] == 1)
+    good = ~again[window_of]
+    parts = heads[good], edges[good], words[good], bounds[good]
+    return parts, np.repeat(owners[again], 2), _halves(windows[again], across[again])
+
+
+def _refuse(triangle: int, limit: float, frac_bits: int) -> NoReturn:
+    """A limit that no division meets."""
+    raise QuadshadeError(
+        f"triangle {triangle}: no part of it is within {limit:g} grey levels of exact with {frac_bits}"
+        " fraction bits",
+        "raise generic frac_bits or the limit (--divide)",
+    )

@@ -197,8 +197,8 @@ def setup_triangles(
     Returns
     -------
     Primitives
-      In triangle order, top to bottom within a triangle that is not divided. Triangles without a pixel on the
-      screen have none. Words are two's complement of ``word_width`` bits, sign extended. Depth, the last
+      In triangle order, by first scanline within a triangle. Triangles without a pixel on the screen have
+      none. Words are two's complement of ``word_width`` bits, sign extended. Depth, the last
       channel, is constant 0 where none is given.
 
     Raises
