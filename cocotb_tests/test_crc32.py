@@ -18,10 +18,12 @@ from simulation import identifier, simulate
 
 @dataclass(frozen=True)
 class Config:
-    """``crc32`` has no generics."""
+    """Generics of ``crc32``."""
+
+    num_bytes: int = 1
 
 
-@pytest.mark.parametrize("config", [Config()], ids=identifier)
+@pytest.mark.parametrize("config", [Config(), Config(num_bytes=3)], ids=identifier)
 def test_crc32(config: Config) -> None:
     simulate("crc32", config)
 
@@ -34,8 +36,8 @@ async def every_cycle(dut: Any, source: str) -> None:
     model, data, go = Crc32(), b"", SPEEDS[source](bench.draw)
     for index in range(1500):
         clears = index == 0 or bench.chance(0.01)
-        valid, byte = next(go), bench.bits(8)
-        dut.clear.value, dut.byte_valid.value, dut.byte_data.value = int(clears), int(valid), byte
+        valid, word = next(go), bench.bits(8 * bench.config.num_bytes)
+        dut.clear.value, dut.byte_valid.value, dut.byte_data.value = int(clears), int(valid), word
         await bench.edge()
         if index:
             inputs = {"bytes": data}
@@ -45,8 +47,10 @@ async def every_cycle(dut: Any, source: str) -> None:
             data = b""
             model.clear()
         if valid:
-            data += bytes([byte])
-            model.add(byte)
+            some = word.to_bytes(bench.config.num_bytes, "little")
+            data += some
+            for byte in some:
+                model.add(byte)
     bench.finish(at_least=2998)
 
 
@@ -54,9 +58,13 @@ async def every_cycle(dut: Any, source: str) -> None:
 async def residue(dut: Any) -> None:
     bench = Bench(dut, Config, "residue")
     await bench.start("clear", "byte_valid", "byte_data", reset=False)
+    step = bench.config.num_bytes
     for index in range(20):
-        for place, byte in enumerate(sealed(bench.draw.randbytes(index))):
-            dut.clear.value, dut.byte_valid.value, dut.byte_data.value = int(place == 0), 1, byte
+        # As many bytes that whole words end with the CRC.
+        data = sealed(bench.draw.randbytes(index + (-index - 4) % step))
+        for place in range(0, len(data), step):
+            word = int.from_bytes(data[place : place + step], "little")
+            dut.clear.value, dut.byte_valid.value, dut.byte_data.value = int(place == 0), 1, word
             await bench.edge()
         dut.clear.value = dut.byte_valid.value = 0
         await bench.edge()

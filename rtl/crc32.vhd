@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- CRC-32 of a stream of bytes (IEEE 802.3: reflected 0x04C11DB7, ones before and after), a byte per cycle:
+-- CRC-32 of a stream of bytes (IEEE 802.3: reflected 0x04C11DB7, ones before and after), `num_bytes` per cycle:
 -- per bit, crc = (crc >> 1) xor (0xEDB88320 if the bits shifted out of crc and data differ).
 --
 -- Model: crc32.py.  Test: test_crc32.py.  Latency: 1 cycle.  One byte per cycle.
@@ -10,12 +10,16 @@ library ieee;
 use ieee.std_logic_1164.all;
 
 entity crc32 is
+  generic (
+    num_bytes : positive := 1
+  );
   port (
     clk : in std_ulogic;
     -- Begins anew; a byte in the same cycle is the first of the new ones.
     clear : in std_ulogic;
     byte_valid : in std_ulogic;
-    byte_data : in std_ulogic_vector(7 downto 0);
+    -- The first byte lowest.
+    byte_data : in std_ulogic_vector(8 * num_bytes - 1 downto 0);
     crc : out std_ulogic_vector(31 downto 0)
   );
 end entity;
@@ -39,7 +43,7 @@ begin
         v := ones;
       end if;
       if byte_valid = '1' then
-        for index in 0 to 7 loop
+        for index in 0 to 8 * num_bytes - 1 loop
           out_bit := v(0) xor byte_data(index);
           v := '0' & v(31 downto 1);
           if out_bit = '1' then

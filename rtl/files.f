@@ -24,3 +24,4 @@ rtl/raster_core.vhd
 rtl/memory_clear.vhd
 rtl/depth_test.vhd
 rtl/framebuffer.vhd
+rtl/read_out.vhd

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import pytest
 
 from quadshade.errors import QuadshadeError
 from quadshade.golden.depth_test import DepthTest, empty_depths, kept_pixels
 from quadshade.golden.framebuffer import Framebuffer, draw_pixels
+from quadshade.golden.read_out import Area, read_area, read_out
 from quadshade.image.framebuffer import resolve, visible
 from quadshade.triangles import Pixels
 
@@ -74,3 +77,20 @@ def test_compiled_framebuffer_is_the_scalar_one(rng: np.random.Generator, with_d
             model.write(*pixel[:2], pixel[3])
     picture = draw_pixels(x, y, value, depth if with_depth else None, WIDTH, HEIGHT, DEPTH_BITS, (7,))
     assert picture.ravel().tolist() == model.words
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_areas_bytes_and_crc(rng: np.random.Generator, channels: int) -> None:
+    picture = rng.integers(0, 256, (HEIGHT, WIDTH, channels)).astype(np.uint8)
+    flat = picture.reshape(-1, channels).tolist()
+    words = [int.from_bytes(bytes(pixel), "little") for pixel in flat]
+    whole = Area(0, 0, WIDTH, WIDTH * HEIGHT)
+    assert read_area(picture, whole) == (picture.tobytes(), zlib.crc32(picture.tobytes()))
+    areas = [whole, Area(0, 0, 0, 1), Area(1, 0, WIDTH, 1), Area(0, HEIGHT, 1, 1), Area(0, HEIGHT - 1, 3, 90)]
+    for _ in range(60):
+        x, y, width = (int(rng.integers(limit)) for limit in (WIDTH, HEIGHT, WIDTH + 1))
+        areas.append(Area(x, y, width, int(rng.integers(WIDTH * HEIGHT))))
+    for area in areas:
+        values, crc = read_out(words, WIDTH, HEIGHT, area, channels)
+        data = b"".join(value.to_bytes(channels, "little") for value in values)
+        assert read_area(picture, area) == (data, crc)
