@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- CRC-32 of a stream of bytes (IEEE 802.3: reflected 0x04C11DB7, ones before and after), `num_bytes` per cycle:
+-- CRC-32 of bytes (IEEE 802.3: reflected 0x04C11DB7, ones before and after), `num_bytes` per cycle:
 -- per bit, crc = (crc >> 1) xor (0xEDB88320 if the bits shifted out of crc and data differ).
 --
 -- Model: crc32.py.  Test: test_crc32.py.  Latency: 1 cycle.  One byte per cycle.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- Reads an area of the framebuffer in scanline order, and the CRC-32 of its bytes (channel 0 first, zlib.crc32
--- of the picture's): `count` pixels from (x, y) on, `width` to a scanline, at most to the screen's last.
+-- Reads an area of the framebuffer in scanline order, and the CRC-32 of its bytes (channel 0 first:
+-- zlib.crc32 of the picture's): `count` pixels from (x, y) on, `width` to a scanline, at most to the screen's last.
 --
 -- Model: read_out.py.  Test: test_read_out.py.
 -- Latency: 5 cycles from an area to its first pixel.  One pixel per cycle; the next area is taken once the
@@ -147,7 +147,8 @@ begin
   crc_inst : entity work.crc32
     generic map (num_bytes => num_channels)
     port map (
-      clk => clk, clear => accept, byte_valid => summed, byte_data => std_ulogic_vector(read_value), crc => crc
+      clk => clk, clear => accept, byte_valid => summed, byte_data => std_ulogic_vector(read_value),
+      crc => crc
     );
 
   output_inst : entity work.skid_buffer
