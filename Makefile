@@ -68,6 +68,14 @@ simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/r
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) scripts/faults.py
 
+.PHONY: report
+report: setup ## what accuracy costs, as a page: build/report/index.html; goes on after a kill
+	@$(VENV) scripts/report.py --jobs $(JOBS)
+
+.PHONY: report-image
+report-image: setup ## the report, and the README's picture of it
+	@$(VENV) scripts/report.py --jobs $(JOBS) --screenshot docs/images/report.png
+
 .PHONY: test-netlist
 test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)

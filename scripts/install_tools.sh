@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Install what the project needs from the system: Python's venv, GHDL, Verilator with a C++ compiler, Icarus.
+# Install what the project needs from the system: Python's venv, GHDL, Verilator with a C++ compiler,
+# Icarus, Chromium.
 #
 # Installs through apt, with sudo when not root, and says so first; milliseconds when nothing is missing.
 # ghdl-llvm simulates the core about twice as fast as ghdl-mcode and works with cocotb and --synth as well.
@@ -33,6 +34,9 @@ need "$ghdl" ghdl-llvm
 need "${VERILATOR:-verilator}" verilator
 need "${CXX:-g++}" g++
 need iverilog iverilog
+# The report's picture and its test.
+need chromium chromium
+need chromedriver chromium-driver
 
 ((${#packages[@]})) || exit 0
 

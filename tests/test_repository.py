@@ -135,7 +135,7 @@ def test_setup_without_apt_says_what_to_install(tmp_path: Path) -> None:
     (tmp_path / "python3").symlink_to(sys.executable)
     result = install_tools(tmp_path)
     assert result.returncode == 2
-    wanted = "install ghdl-llvm verilator g++ iverilog by hand"
+    wanted = "install ghdl-llvm verilator g++ iverilog chromium chromium-driver by hand"
     assert result.stderr == f"setup: error: there is no apt-get; {wanted}\n"
     assert result.stdout == ""
 

@@ -96,8 +96,8 @@ def trade(
     """
     Sweep fraction, shading and subdivision over SCENE and mark the points that no other beats.
 
-    Error is that against Phong shading of the same triangles; cost is bytes of set-up words and clocks a frame,
-    and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
+    Error is that against Phong shading of the same triangles; cost is bytes of set-up words and clocks a
+    frame, and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
 
     \b
     quadshade trade sphere:374 -o trade --exponent 50
@@ -153,5 +153,6 @@ def _say(result: Sweep, output: Path) -> None:
         if "bytes" in record["pareto"] and place not in said:
             said.add(place)
             click.echo(
-                f"{record['name']}: rms {record['rms']:.3f}, {record['bytes']} bytes, {record['clocks']} clocks"
+                f"{record['name']}: rms {record['rms']:.3f}, "
+                f"{record['bytes']} bytes, {record['clocks']} clocks"
             )
