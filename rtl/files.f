@@ -9,6 +9,11 @@ rtl/uart_rx.vhd
 rtl/uart_tx.vhd
 rtl/cobs_decoder.vhd
 rtl/cobs_encoder.vhd
+rtl/frame_fifo.vhd
+rtl/frame_receiver.vhd
+rtl/answer_sender.vhd
+rtl/command_executor.vhd
+rtl/command_decoder.vhd
 rtl/skid_buffer.vhd
 rtl/setup_loader.vhd
 rtl/edge_dda.vhd

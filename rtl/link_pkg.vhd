@@ -109,7 +109,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"389b99d5");
+    words(1) := std_ulogic_vector'(x"e91da642");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));
@@ -143,7 +143,7 @@ package body link_pkg is
       when opcode_status => return to_unsigned(0, 8);
       when opcode_reset => return to_unsigned(1, 8);
       when opcode_baud => return to_unsigned(1, 8);
-      when opcode_clear => return to_unsigned(2, 8);
+      when opcode_clear => return to_unsigned(1, 8);
       when opcode_state => return to_unsigned(2, 8);
       when opcode_triangles => return to_unsigned(1, 8);
       when opcode_read => return to_unsigned(3, 8);
@@ -160,7 +160,7 @@ package body link_pkg is
       when opcode_status => return to_unsigned(0, 8);
       when opcode_reset => return to_unsigned(1, 8);
       when opcode_baud => return to_unsigned(1, 8);
-      when opcode_clear => return to_unsigned(2, 8);
+      when opcode_clear => return to_unsigned(1, 8);
       when opcode_state => return to_unsigned(254, 8);
       when opcode_triangles => return to_unsigned(254, 8);
       when opcode_read => return to_unsigned(3, 8);

@@ -138,8 +138,8 @@ def test_length_field_must_be_the_length() -> None:
 
 
 def test_values_out_of_range_are_named() -> None:
-    with pytest.raises(LinkError, match="CLEAR: depth is 4294967296; give 0 to 4294967295"):
-        pack_payload(Opcode.CLEAR, {"colour": 0, "depth": 1 << 32})
+    with pytest.raises(LinkError, match="CLEAR: colour is 4294967296; give 0 to 4294967295"):
+        pack_payload(Opcode.CLEAR, {"colour": 1 << 32})
     with pytest.raises(LinkError, match="sequence number 256"):
         Frame(Opcode.HELLO, 256).encode()
     with pytest.raises(LinkError, match="ACK of 3 bytes"):

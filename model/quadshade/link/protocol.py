@@ -190,7 +190,7 @@ PAYLOADS = {
     Opcode.STATUS: Payload(),
     Opcode.RESET: Payload((("session", 4, "any number; HELLO repeats it"),)),
     Opcode.BAUD: Payload((("phase_step", 4, "the new rate: round(2**24 * baud / clk_frequency_hz)"),)),
-    Opcode.CLEAR: Payload((("colour", 4, "new pixels of plane 0"), ("depth", 4, "new pixels of plane 1"))),
+    Opcode.CLEAR: Payload((("colour", 4, "every pixel of plane 0; plane 1 becomes empty: farthest"),)),
     Opcode.STATE: Payload(
         (("address", 4, "where the first word goes; the others follow"),),
         least=WORD_BYTES,
