@@ -46,7 +46,7 @@ class Config:
 
 CONFIGS = [
     Config(),
-    Config(coord_bits=3, subpixel_bits=0, walk_stages=5),
+    Config(coord_bits=3, subpixel_bits=0, walk_stages=6),
     Config(coord_bits=6, walk_stages=9),
 ]
 
@@ -79,7 +79,7 @@ class Stages:
 
     @property
     def busy(self) -> bool:
-        return any(self.lines[:3]) or any(line and line.pixels for line in self.lines[3:])
+        return any(self.lines[:4]) or any(line and line.pixels for line in self.lines[4:])
 
     def first(self, stage: int) -> bool:
         line = self.lines[stage]

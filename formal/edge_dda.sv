@@ -40,6 +40,7 @@ module edge_dda_properties #(
   (* hierconn *) wire [column_bits - 1:0] \dut.start ;
   (* hierconn *) wire [column_bits - 1:0] \dut.step ;
   (* hierconn *) wire \dut.starting ;
+  (* hierconn *) wire \dut.carry_reg ;
 
   // The exact edge at the scanline that stands in the first stage. One bit more than any value here needs.
   reg valid = 0, fresh = 0;
@@ -61,7 +62,7 @@ module edge_dda_properties #(
     end
   end
 
-  // The same, one scanline later: that of the ports.
+  // The same, one scanline later: that of the column.
   reg shown = 0, shown_carries;
   reg [column_bits - 1:0] shown_q;
   reg [edge_bits + 1:0] shown_over, shown_dy;
@@ -78,9 +79,9 @@ module edge_dda_properties #(
     if (shown) begin
       assert (shown_over < shown_dy);
       assert (column == shown_q);
-      // The carry says whether the edge moves one pixel more than its step.
-      assert (carry == shown_carries);
     end
+    // The carry says whether the edge moves one pixel more than its step.
+    if (valid) assert (carry == carries);
     // What makes it so.
     if (valid) begin
       assert (over < dy && increment < dy && dy < 1 << edge_bits);
@@ -91,6 +92,7 @@ module edge_dda_properties #(
       assert (\dut.starting == fresh);
       if (fresh) assert (\dut.start == q);
     end
+    if (shown) assert (\dut.carry_reg == shown_carries);
     if (shown && !fresh) assert (valid && shown_dy == dy && q == next_q);
     if (valid && !shown) assert (fresh);
   end

@@ -78,24 +78,26 @@ module edge_walker_properties #(
     end
   end
 
-  // Stages 1 to 6; from stage 2 on with the columns that the two DDAs gave in stage 1.
-  (* hierconn *) wire [column_bits - 1:0] \dut.column_1 ;
-  (* hierconn *) wire [column_bits - 1:0] \dut.minor_column_1 ;
+  // Stages 1 to 6; from stage 2 on with the carry of stage 1, from stage 3 on with the columns that the two
+  // DDAs gave in stage 2.
+  (* hierconn *) wire [column_bits - 1:0] \dut.column_2 ;
+  (* hierconn *) wire [column_bits - 1:0] \dut.minor_column_2 ;
   (* hierconn *) wire \dut.carry_1 ;
   localparam scanline_bits = 2 * column_bits + coord_bits + 2;
   reg [6:1] valid = 0;
   reg first_1 = 0, first_2 = 0, fractional_1, carry_2;
-  reg last_1, mirror_1;
-  reg [coord_bits - 1:0] y_1;
-  reg [scanline_bits - 1:0] scanline_2, scanline_3, scanline_4, scanline_5, scanline_6;
+  reg last_1, mirror_1, last_2, mirror_2;
+  reg [coord_bits - 1:0] y_1, y_2;
+  reg [scanline_bits - 1:0] scanline_3, scanline_4, scanline_5, scanline_6;
   always @(posedge clk) begin
     if (enable) begin
       valid <= {valid[5:1], valid_0};
       {first_1, first_2} <= {first_0, first_1};
       {last_1, mirror_1, y_1, fractional_1} <= {last_0, mirror_0, y_0, fractional_0};
       carry_2 <= \dut.carry_1 && !fractional_1;
-      scanline_2 <= {\dut.minor_column_1 , \dut.column_1 , y_1, mirror_1, last_1};
-      {scanline_3, scanline_4, scanline_5, scanline_6} <= {scanline_2, scanline_3, scanline_4, scanline_5};
+      {last_2, mirror_2, y_2} <= {last_1, mirror_1, y_1};
+      scanline_3 <= {\dut.minor_column_2 , \dut.column_2 , y_2, mirror_2, last_2};
+      {scanline_4, scanline_5, scanline_6} <= {scanline_3, scanline_4, scanline_5};
     end
     if (reset) {valid, first_1, first_2} <= 0;
   end
@@ -129,7 +131,7 @@ module edge_walker_properties #(
     if (take) assert (!first_0 && !first_1);
     if (take) assert (!valid_0 || last_0);
     // Busy while anything is under way.
-    if (valid_0 || valid[1] || valid[2]) assert (busy);
+    if (valid_0 || valid[1] || valid[2] || valid[3]) assert (busy);
     if (span_valid || span_coming) assert (busy);
   end
 
@@ -150,12 +152,16 @@ module edge_walker_properties #(
   (* hierconn *) wire \dut.fractional_1 ;
   (* hierconn *) wire [coord_bits - 1:0] \dut.y_1 ;
   (* hierconn *) wire \dut.valid_2 ;
-  (* hierconn *) wire [3:0] \dut.valids ;
-  (* hierconn *) wire [5 * column_bits - 1:0] \dut.columns ;
-  (* hierconn *) wire [5 * column_bits - 1:0] \dut.counts ;
-  (* hierconn *) wire [5 * coord_bits - 1:0] \dut.ys ;
-  (* hierconn *) wire [4:0] \dut.lasts ;
-  (* hierconn *) wire [4:0] \dut.mirrors ;
+  (* hierconn *) wire \dut.last_2 ;
+  (* hierconn *) wire \dut.mirror_2 ;
+  (* hierconn *) wire [coord_bits - 1:0] \dut.y_2 ;
+  (* hierconn *) wire \dut.valid_3 ;
+  (* hierconn *) wire [2:0] \dut.valids ;
+  (* hierconn *) wire [4 * column_bits - 1:0] \dut.columns ;
+  (* hierconn *) wire [4 * column_bits - 1:0] \dut.counts ;
+  (* hierconn *) wire [4 * coord_bits - 1:0] \dut.ys ;
+  (* hierconn *) wire [3:0] \dut.lasts ;
+  (* hierconn *) wire [3:0] \dut.mirrors ;
   always @* begin
     assert (\dut.valid_0 == valid_0 && \dut.first_0 == first_0 && \dut.first_1 == first_1);
     assert (\dut.spacing == (first_0 || first_1));
@@ -165,16 +171,17 @@ module edge_walker_properties #(
     if (first_0) assert (valid_0 && \dut.y_0 == y_0);
     if (valid_0) assert (\dut.mirror_0 == mirror_0 && \dut.fractional_0 == fractional_0);
     if (valid_0 && !first_0) assert (y_0 == next_y);
-    assert (valid[2:1] == {\dut.valid_2 , \dut.valid_1 });
+    assert (valid[3:1] == {\dut.valid_3 , \dut.valid_2 , \dut.valid_1 });
     if (valid[1]) assert (\dut.y_1 == y_1 && \dut.last_1 == last_1 && \dut.mirror_1 == mirror_1);
     if (valid[1]) assert (\dut.fractional_1 == fractional_1);
+    if (valid[2]) assert (\dut.y_2 == y_2 && \dut.last_2 == last_2 && \dut.mirror_2 == mirror_2);
   end
   wire [coord_bits - 1:0] next_y = \dut.y_1 + 1;
 
-  wire [5 * scanline_bits - 1:0] scanlines = {scanline_2, scanline_3, scanline_4, scanline_5, scanline_6};
+  wire [4 * scanline_bits - 1:0] scanlines = {scanline_3, scanline_4, scanline_5, scanline_6};
   genvar stage;
   generate
-    for (stage = 2; stage <= 6; stage = stage + 1) begin : stages
+    for (stage = 3; stage <= 6; stage = stage + 1) begin : stages
       wire [scanline_bits - 1:0] scanline = scanlines[(6 - stage) * scanline_bits +: scanline_bits];
       always @* if (valid[stage]) begin
         assert (\dut.counts [(6 - stage) * column_bits +: column_bits] == count_of(scanline));
@@ -182,7 +189,7 @@ module edge_walker_properties #(
           \dut.ys [(6 - stage) * coord_bits +: coord_bits], \dut.mirrors [6 - stage], \dut.lasts [6 - stage]}
           == scanline[scanline_bits - column_bits - 1:0]);
       end
-      if (stage > 2) always @* assert (\dut.valids [6 - stage] == (valid[stage] && has_pixels(scanline)));
+      if (stage > 3) always @* assert (\dut.valids [6 - stage] == (valid[stage] && has_pixels(scanline)));
     end
   endgenerate
 

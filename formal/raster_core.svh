@@ -41,7 +41,7 @@
   (* hierconn *) wire \dut.loader_inst.full ;
   (* hierconn *) wire \dut.loader_busy ;
 
-  // Edge walker, stage by stage; bit 0 of `valids` is the last stage, bit 3 the third.
+  // Edge walker, stage by stage; bit 0 of `valids` is the last stage, bit 2 the fourth.
   (* hierconn *) wire \dut.walker_inst.valid_0 ;
   (* hierconn *) wire \dut.walker_inst.first_0 ;
   (* hierconn *) wire \dut.walker_inst.spacing ;
@@ -51,7 +51,8 @@
   (* hierconn *) wire \dut.walker_inst.valid_1 ;
   (* hierconn *) wire \dut.walker_inst.first_1 ;
   (* hierconn *) wire \dut.walker_inst.valid_2 ;
-  (* hierconn *) wire [3:0] \dut.walker_inst.valids ;
+  (* hierconn *) wire \dut.walker_inst.valid_3 ;
+  (* hierconn *) wire [2:0] \dut.walker_inst.valids ;
 
   // Span chain, bit 0 its last stage; span walker; output.
   (* hierconn *) wire [span_depth - 1:0] \dut.chain_inst.held ;

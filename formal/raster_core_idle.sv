@@ -29,8 +29,9 @@ module raster_core_idle_properties `include "raster_core.svh"
 
     // Spans, each of at most `most` pixels, and the pixels of the one that is drawn.
     spans = scanlines + (\dut.loader_inst.full ? 2 * most : 0)
-      + \dut.walker_inst.valid_1 + \dut.walker_inst.valid_2 ;
-    for (index = 0; index < 4; index = index + 1) spans = spans + \dut.walker_inst.valids [index];
+      + \dut.walker_inst.valid_1 + \dut.walker_inst.valid_2
+      + \dut.walker_inst.valid_3 ;
+    for (index = 0; index < 3; index = index + 1) spans = spans + \dut.walker_inst.valids [index];
     for (index = 0; index < span_depth; index = index + 1) spans = spans + \dut.chain_inst.held [index];
     pixels = most * spans + (wanted ? 0 : \dut.span_inst.count + 1);
 
@@ -39,8 +40,9 @@ module raster_core_idle_properties `include "raster_core.svh"
     if (scanlines > wait_to_take) wait_to_take = scanlines;
     way = 0;
     for (index = 0; index < span_depth; index = index + 1) if (\dut.chain_inst.held [index]) way = index;
-    for (index = 0; index < 4; index = index + 1)
+    for (index = 0; index < 3; index = index + 1)
       if (\dut.walker_inst.valids [index]) way = index + span_depth;
+    if (\dut.walker_inst.valid_3 ) way = 3 + span_depth;
     if (\dut.walker_inst.valid_2 ) way = 4 + span_depth;
     if (\dut.walker_inst.valid_1 ) way = 5 + span_depth;
     if (\dut.walker_inst.valid_0 ) way = 5 + span_depth + scanlines;

