@@ -83,6 +83,10 @@ test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iC
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(MEMORY_TESTS))'
 
+.PHONY: adapt
+adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
+	@$(VENV) scripts/adapt.py
+
 .PHONY: formal
 formal: setup ## prove units and core over their netlists; writes docs/reports/formal.md; T=name
 	@$(VENV) scripts/formal.py --jobs $(JOBS) $(if $(T),--only '$(T)')

@@ -140,21 +140,21 @@ def core_clocks(triangles: ScreenTriangles, formats: Formats) -> int:
     return draw(triangles, formats).stats["clocks"]
 
 
-class _Planner:
+class Planner:
     """One mesh, settled for one goal after another; the undivided mesh is shaded once."""
 
     def __init__(self, projected: Projected, shader: Shader) -> None:
         self.shader, self.measure = shader, shader.measure
         self.whole = shader.surface(projected)
 
-    def settled(self, allowed: np.ndarray, price: float, surface: Surface | None = None) -> _Plan:
+    def settled(self, allowed: np.ndarray, price: float, surface: Surface | None = None) -> Plan:
         surface = self.whole if surface is None else surface
-        return _Plan(self, *settle(surface, self.shader, Goal(allowed, price)))
+        return Plan(self, *settle(surface, self.shader, Goal(allowed, price)))
 
     def everywhere(self, value: float) -> np.ndarray:
         return np.full(len(self.whole.root), value)
 
-    def at(self, strictness: float) -> _Plan:
+    def at(self, strictness: float) -> Plan:
         """A plan from the cheapest (0) to the best (1) that there is."""
         if self.measure == "max":
             return self.settled(self.everywhere(self.shader.full * 1e-4**strictness), 0.0)
@@ -162,10 +162,10 @@ class _Planner:
         return self.settled(self.everywhere(np.inf), price)
 
 
-class _Plan:
+class Plan:
     """A surface with its decision."""
 
-    def __init__(self, planner: _Planner, surface: Surface, decision: Decision) -> None:
+    def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
         self.planner, self.surface, self.decision = planner, surface, decision
         self.triangles = planner.shader.screen_triangles(surface.projected, decision.samples, decision.orders)
 
@@ -189,7 +189,7 @@ class _Plan:
         )
 
 
-def _verified(planner: _Planner, plan: _Plan, max_error: float) -> _Plan:
+def _verified(planner: Planner, plan: Plan, max_error: float) -> Plan:
     """Draw, and be stricter with triangles in which a pixel is off by more, until none is."""
     shader = planner.shader
     allowed = planner.everywhere(max_error - OUTPUT_ROUNDING)
@@ -207,9 +207,7 @@ def _verified(planner: _Planner, plan: _Plan, max_error: float) -> _Plan:
     return plan
 
 
-def _dearest_within(
-    planner: _Planner, cost: Callable[[ScreenTriangles], int], budget: int, unit: str
-) -> _Plan:
+def _dearest_within(planner: Planner, cost: Callable[[ScreenTriangles], int], budget: int, unit: str) -> Plan:
     """The strictest plan that the budget pays for."""
     best = planner.at(0.0)
     least = cost(best.triangles)
@@ -238,7 +236,7 @@ def _floor(measure: str) -> float:
     return float(np.sqrt(OUTPUT_ROUNDING**2 / 3 + NOTHING_LEFT**2))
 
 
-def _cheapest_below(planner: _Planner, max_rms: float) -> _Plan:
+def _cheapest_below(planner: Planner, max_rms: float) -> Plan:
     """The least strict plan whose estimated root mean square is within the limit."""
     best = planner.at(0.0)
     low, high = 0.0, 1.0
@@ -315,7 +313,7 @@ def adapt(
     if unit not in UNITS:
         raise QuadshadeError(f"the budget's unit is {unit!r}", f"give {' or '.join(UNITS)}")
     shader = Shader(lights, material, formats, projected, measure)
-    planner = _Planner(projected, shader)
+    planner = Planner(projected, shader)
     if budget is not None:
         count = stream_bytes if unit == "bytes" else core_clocks
         return _dearest_within(planner, lambda t: count(t, shader.formats), budget, unit).adapted()
