@@ -13,7 +13,7 @@ VENV := .venv/bin/python
 PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
 
 # Yosys has no model of ECP5's block RAM to simulate.
-MEMORY_TESTS := block_ram or depth_test or framebuffer
+MEMORY_TESTS := block_ram or depth_test or framebuffer or edge_map
 
 # Each unit with its default generics, and the whole core with one linear channel and depth.
 MAPPED_TESTS := (default and not raster_core) or (raster_core and depth_bits)

@@ -30,3 +30,4 @@ rtl/memory_clear.vhd
 rtl/depth_test.vhd
 rtl/framebuffer.vhd
 rtl/read_out.vhd
+rtl/edge_map.vhd

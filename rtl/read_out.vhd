@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
 -- Reads an area of the framebuffer in scanline order, and the CRC-32 of its bytes (channel 0 first:
--- zlib.crc32 of the picture's): `count` pixels from (x, y) on, `width` to a scanline, at most to the screen's last.
+-- zlib.crc32 of the picture's): `count` pixels from (x, y) on, `width` to a scanline, down to the last.
 --
 -- Model: read_out.py.  Test: test_read_out.py.
 -- Latency: 5 cycles from an area to its first pixel.  One pixel per cycle; the next area is taken once the
