@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The edge map against its model: frames of all shapes back to back, both variants, full speed and throttled."""
+"""The edge map against its model: frames of all shapes back to back, both variants, every pace."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The edge map's integers against exact fractions and the float formulas, whole formats where they are small."""
+"""The edge map's integers against exact fractions and the float formulas, whole formats if small."""
 
 from __future__ import annotations
 
