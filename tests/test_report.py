@@ -200,6 +200,11 @@ def test_methods(page: webdriver.Chrome, folder: Path) -> None:
         assert not wrong_values(page, folder)[1]
     Select(all_of(page, "#right-side select")[0]).select_by_value("phong")
     assert source(page, "#picture-right").endswith("phong-all1.png")
+    Select(all_of(page, "#right-side select")[0]).select_by_value("adaptive:1")
+    assert "adaptive1-8-none" in source(page, "#picture-right")
+    Select(all_of(page, "#right-side select")[1]).select_by_value("all:1")
+    assert "adaptive1-8-none" in source(page, "#picture-right")
+    Select(all_of(page, "#right-side select")[0]).select_by_value("phong")
     assert "reference" in one(page, "#right-side p").text
 
 
@@ -215,10 +220,10 @@ def test_pictures_are_there(page: webdriver.Chrome, folder: Path) -> None:
 
 def test_maps(page: webdriver.Chrome) -> None:
     before = page.execute_script("return [...document.querySelectorAll('#map-grid img')].map((i) => i.src)")
-    assert len(before) == 15
+    assert len(before) == 17
     Select(one(page, "#map-fraction")).select_by_value("8")
     after = page.execute_script("return [...document.querySelectorAll('#map-grid img')].map((i) => i.src)")
-    assert len(after) == 15
+    assert len(after) == 17
     assert not set(before) & set(after)
 
 
@@ -228,7 +233,7 @@ def test_fronts(page: webdriver.Chrome, folder: Path, x: str) -> None:
     Select(one(page, "#axis-x")).select_by_value(x)
     records = json.loads((folder / "data" / "sphere-168" / "trade.json").read_text())["points"]
     dots = all_of(page, "#plot .dot")
-    assert len(dots) == len(records) == 30
+    assert len(dots) == len(records) == 34
     drawn = page.execute_script(
         "return [...document.querySelectorAll('#plot .on-front')].map((d) => Number(d.dataset.index))"
     )
@@ -237,11 +242,11 @@ def test_fronts(page: webdriver.Chrome, folder: Path, x: str) -> None:
     if x != "lut4":
         assert sorted(drawn) == [i for i, record in enumerate(records) if x in record["pareto"]]
     click(page, "[data-filter=shading][value=flat]")
-    assert len(all_of(page, "#plot .dot")) == 20
+    assert len(all_of(page, "#plot .dot")) == 24
     click(page, "[data-filter=fraction][value='8']")
-    assert len(all_of(page, "#plot .dot")) == 10
+    assert len(all_of(page, "#plot .dot")) == 12
     click(page, "[data-filter=shading][value=flat]")
-    assert len(all_of(page, "#plot .dot")) == 15
+    assert len(all_of(page, "#plot .dot")) == 17
 
 
 def test_axes_and_a_chosen_dot(page: webdriver.Chrome, folder: Path) -> None:
@@ -293,6 +298,6 @@ def test_screenshot(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     shutil.copytree(folder / "data", tmp_path / "data")
     run = CliRunner().invoke(report.main, arguments)
     assert run.exit_code == 2
-    assert "30 points, 30 from before" in run.output
+    assert "34 points, 34 from before" in run.output
     assert run.output.splitlines()[-1] == "report: error: chromium is not installed; run `make setup`"
     assert not os.path.exists(tmp_path / "page.png")

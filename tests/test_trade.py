@@ -22,7 +22,8 @@ from quadshade.trade.store import store, stored
 from quadshade.trade.subdivision import subdivide
 from quadshade.trade.view import stage
 
-FEW = ("--fractions", "8,22", "--subdivisions", "none,all:1", "--jobs", "1")
+SHADINGS = ("--shadings", "flat,gouraud,quadratic")
+FEW = (*SHADINGS, "--fractions", "8,22", "--subdivisions", "none,all:1", "--jobs", "1")
 
 
 def trade(*arguments: str | Path) -> Result:
@@ -175,7 +176,12 @@ def test_cells_stand_in_the_records(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         return {"lut4": cells, "ff": 1, "bram": 0, "dsp": 0, "carry": 0, "carry_luts": 0}
 
     monkeypatch.setattr("quadshade.trade.run.count_cells", count)
-    result = sweep(View("sphere:168", 32, 32), Grid((8, 22), subdivisions=("none",)), tmp_path, jobs=1)
+    result = sweep(
+        View("sphere:168", 32, 32),
+        Grid((8, 22), ("flat", "gouraud", "quadratic"), ("none",)),
+        tmp_path,
+        jobs=1,
+    )
     assert result.device == "ecp5-25k-6"
     assert [r["lut4"] for r in result.records] == [18, 32, 118, 132, 218, 232]
     assert any("lut4" in record["pareto"] for record in result.records)
@@ -198,6 +204,23 @@ def test_the_core_is_the_smallest() -> None:
     assert Point("quadratic", 22, "none").formats(Formats()) == Formats()
 
 
+def test_adaptive_points_hold_their_error_and_are_cheaper(tmp_path: Path) -> None:
+    """The rms error over the covered pixels is what was allowed; no fixed order is as good for less."""
+    grid = Grid((22,), ("quadratic", "adaptive:1"), ("none", "all:1"))
+    view = View("sphere:168", 256, 256, camera="ortho=1.05", exponent=50)
+    result = sweep(view, grid, tmp_path, area=False, jobs=1)
+    records = {record["name"]: record for record in result.records}
+    assert list(records) == ["quadratic-22-none", "adaptive1-22-none", "quadratic-22-all1"]
+    adaptive, fine = records["adaptive1-22-none"], records["quadratic-22-all1"]
+    covered = adaptive["rms"] * (256 * 256 / adaptive["pixels"]) ** 0.5
+    assert covered <= 1.02
+    assert adaptive["rms"] < records["quadratic-22-none"]["rms"]
+    assert adaptive["bytes"] < fine["bytes"]
+    assert adaptive["bytes_per_triangle"] == adaptive["bytes"] / adaptive["mesh_triangles"]
+    reference = read_picture(tmp_path / adaptive["reference"])
+    assert compare(read_picture(tmp_path / adaptive["picture"]), reference).psnr == adaptive["psnr"]
+
+
 def test_heat_maps_share_a_scale() -> None:
     black = np.zeros((1, 3, 3), np.uint8)
     shown = heat_map(black, np.array([[[0, 0, 0], [0, HEAT_FULL, 0], [255, 0, 0]]], np.uint8))
@@ -213,6 +236,11 @@ def test_heat_maps_share_a_scale() -> None:
         (("--fractions", "8,8"), "the fractions are (8, 8); give at least one, and each once"),
         (("--fractions", ""), "the fractions are (); give at least one"),
         (("--shadings", "phong"), "the shading is 'phong'; give some of flat, gouraud"),
+        (("--shadings", "adaptive:0.1"), "the shading is 'adaptive:0.1'; give some of flat, gouraud"),
+        (
+            ("--shadings", "adaptive:1", "--subdivisions", "all:1"),
+            "the shading adaptive:1 divides by itself; give the subdivision none",
+        ),
         (("--subdivisions", "all"), "the subdivision is 'all'; write none, all:1"),
         (("--subdivisions", "all:nan"), "the subdivision is 'all:nan'; give a number from 1 to 4"),
         (("--subdivisions", "halves:2"), "the subdivision is 'halves:2'; write none"),

@@ -19,7 +19,7 @@ from distributed import Client, LocalCluster
 
 from quadshade.cli.main import main
 
-SIZE = ("--size", "96x96", "--no-area")
+SIZE = ("--size", "96x96", "--no-area", "--shadings", "flat,gouraud,quadratic")
 POINTS = 60
 
 

@@ -59,7 +59,11 @@ def _fractions(text: str) -> tuple[int, ...]:
 @click.option(
     "--fractions", default="8,10,12,16,22", show_default=True, help="Fraction bits of a colour word."
 )
-@click.option("--shadings", help="Shadings of `quadshade render`, but phong.  [default: all]")
+@click.option(
+    "--shadings",
+    help="Those of `quadshade render` but phong, and adaptive:E: the cheapest for an rms error of E.  "
+    "[default: all, adaptive:1, adaptive:0.5]",
+)
 @click.option(
     "--subdivisions",
     default="none,all:1,all:2,highlights:128,centre:2",
@@ -106,16 +110,16 @@ def trade(
     """
     with leave_at_once():
         from quadshade.trade import Grid, View, sweep
-        from quadshade.trade.point import SHADINGS
+        from quadshade.trade.point import DEFAULT_SHADINGS, SHADINGS, WHOLE
 
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
         raise QuadshadeError(f"generic num_channels is {base.num_channels}", "a picture needs 3")
     width, height = _parse_size(size)
     view = View(scene, width, height, camera, light_texts, material, exponent, crease, cull)
-    grid = Grid(
-        _fractions(fractions), SHADINGS if shadings is None else _words(shadings), _words(subdivisions)
-    )
+    divisions = _words(subdivisions)
+    usual = DEFAULT_SHADINGS if WHOLE in divisions else SHADINGS
+    grid = Grid(_fractions(fractions), usual if shadings is None else _words(shadings), divisions)
     with progress_bars() as progress:
         result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)
     _say(result, output)

@@ -9,6 +9,8 @@ STEPS = (
     ("gouraud", "all:1", "Gouraud, mesh in fours"),
     ("gouraud", "all:2", "Gouraud, mesh in sixteens"),
     ("quadratic", "none", "Quadratic"),
+    ("adaptive:1", "none", "Adaptive: an rms error of one level"),
+    ("adaptive:0.5", "none", "Adaptive: an rms error of half a level"),
     ("quadratic-specular", "none", "Quadratic, highlight's power a pixel"),
     ("quadratic", "all:1", "Quadratic, mesh in fours"),
     ("quadratic-specular", "all:1", "Quadratic, power a pixel, mesh in fours"),

@@ -7,7 +7,10 @@ const PART_KINDS = { all: "in fours, times ", highlights: "highlights, px ", cen
 const state = { scene: CONTENT.scenes[0], left: null, right: null, errors: false, leftOnly: false, wipe: 36 };
 
 function colour(shading) { return shading in NAMES && shading !== "phong" ? `var(--${shading})` : "var(--other)"; }
-function shadingName(name) { return NAMES[name] ?? name; }
+function shadingName(name) {
+  const [kind, number] = name.split(":");
+  return kind === "adaptive" ? `Adaptive, rms ${number}` : NAMES[name] ?? name;
+}
 function partsName(name) {
   const [kind, number] = name.split(":");
   return PARTS[name] ?? (kind in PART_KINDS ? PART_KINDS[kind] + number : name);
@@ -76,8 +79,11 @@ function showSide(side) {
   const { index, phong } = state[side], point = points()[index];
   const set = (changes) => {
     const next = { ...point, ...changes };
+    const same = points().findIndex((other) => other.shading === next.shading && other.fraction === Number(next.fraction));
+    // What is adaptive divides by itself: there is one point of it, whatever the mesh.
+    const found = [find(next.shading, next.fraction, next.subdivision), same, index].find((place) => place >= 0);
     state[side] = changes.shading === "phong" ? { index, phong: true }
-      : { index: find(next.shading, next.fraction, next.subdivision), phong: phong && !changes.shading };
+      : { index: found, phong: phong && !changes.shading };
     showPictures();
   };
   const shown = phong ? [el("span", {}, "Phong shading: the reference")]

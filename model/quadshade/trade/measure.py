@@ -10,18 +10,24 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image
 
+from quadshade.adapt import adapt
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import LANE_BITS, Formats
 from quadshade.image import paint, visible
 from quadshade.image.compare import error_map, psnr
+from quadshade.scene import Projected
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
 from quadshade.trade.point import Point
-from quadshade.trade.view import BACKGROUND, Stage
+from quadshade.trade.view import BACKGROUND, Stage, phong_picture
+from quadshade.triangles import ScreenTriangles
 
 HEAT_FULL = 32
 """Grey levels of error at the bright end of an error heat map; the same for all, so that they compare."""
+
+REFERENCE = "reference.png"
+"""Of a point whose triangles no other point has."""
 
 MEASURED = ("psnr", "rms", "max_error", "bytes", "bytes_per_triangle", "clocks", "pixels", "clocks_per_pixel")
 
@@ -36,7 +42,7 @@ class Measured:
     record : dict
       The point, what was measured, and ``refused``: why the host refused to draw it, or None.
     files : dict of str to bytes
-      ``picture.png`` and ``error.png``; none of a point that was refused.
+      ``picture.png``, ``error.png``, of an adaptive point ``reference.png``; none where it was refused.
     """
 
     record: dict
@@ -92,7 +98,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     QuadshadeError
       The engine is missing or fails. A point that the host refuses raises nothing; its record says why.
     """
-    parts, formats = stage.projected, point.formats(base)
+    formats = point.formats(base)
+    parts, triangles = _triangles(point, stage, formats)
     record = {
         "name": point.name,
         "shading": point.shading,
@@ -104,9 +111,6 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "triangles": len(parts),
         "refused": None,
     }
-    if not formats.with_depth:
-        parts = parts.back_to_front()
-    triangles = sample(parts, point.shading, stage.lights, stage.material, formats)
     try:
         setup_triangles(triangles, formats)
     except QuadshadeError as refusal:
@@ -115,8 +119,15 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     drawing = draw(triangles, formats, engine, limit=None)
     shown = visible(drawing.pixels, parts.width, parts.height)
     picture = paint(shown, drawing.pixels.value, BACKGROUND, (1 << formats.value_bits) - 1)
-    quality = psnr(picture, stage.reference)
-    difference = picture.astype(np.float64) - stage.reference
+    files = {"picture.png": png(picture)}
+    reference = stage.reference
+    if point.allowed is not None:
+        # Division has moved vertices by up to half a sub-pixel: the reference is that of these triangles.
+        reference = phong_picture(parts, stage.lights, stage.material, base)
+        files[REFERENCE] = png(reference)
+    files["error.png"] = png(heat_map(picture, reference))
+    quality = psnr(picture, reference)
+    difference = picture.astype(np.float64) - reference
     stats = drawing.stats
     record |= {
         "psnr": quality if math.isfinite(quality) else None,
@@ -128,6 +139,15 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "pixels": stats["pixels"],
         "clocks_per_pixel": stats["clocks_per_pixel"],
     }
-    return Measured(
-        record, {"picture.png": png(picture), "error.png": png(heat_map(picture, stage.reference))}
-    )
+    return Measured(record, files)
+
+
+def _triangles(point: Point, stage: Stage, formats: Formats) -> tuple[Projected, ScreenTriangles]:
+    """What is drawn, in the scene and on the screen."""
+    parts = stage.projected
+    if point.allowed is not None:
+        adapted = adapt(parts, stage.lights, stage.material, formats, max_error=point.allowed, measure="rms")
+        return adapted.projected, adapted.triangles
+    if not formats.with_depth:
+        parts = parts.back_to_front()
+    return parts, sample(parts, point.shading, stage.lights, stage.material, formats)

@@ -7,14 +7,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from quadshade.errors import QuadshadeError
-from quadshade.formats import ORDER_NAMES, Formats
+from quadshade.formats import ORDER_NAMES, QUADRATIC, Formats
 from quadshade.shading import SHADING_ORDERS
-from quadshade.trade.subdivision import check_subdivision
+from quadshade.trade.subdivision import WHOLE, check_subdivision
 
 HEADROOM_BITS = 2
 """Bits of a word above the value: the sign, and one for the overshoot of a quadratic."""
 
 SHADINGS = tuple(SHADING_ORDERS)
+ADAPTIVE = "adaptive"
+ADAPTIVE_RANGE = (0.3, 100.0)
+"""Grey levels of rms error that may be allowed; the rounding of the output alone is 0.29."""
+DEFAULT_SHADINGS = (*SHADINGS, "adaptive:1", "adaptive:0.5")
 FRACTIONS = (8, 10, 12, 16, 22)
 SUBDIVISIONS = ("none", "all:1", "all:2", "highlights:128", "centre:2")
 
@@ -27,7 +31,8 @@ class Point:
     Attributes
     ----------
     shading : str
-      One of ``SHADINGS``: what is interpolated, and in which order.
+      One of ``SHADINGS``: what is interpolated, and in which order. Or ``adaptive:E``: for every triangle the
+      cheapest order, or division, so that the rms error is at most E grey levels (:mod:`quadshade.adapt`).
     fraction : int
       Fraction bits of a colour word; the word is as wide as it has to be for them.
     subdivision : str
@@ -41,12 +46,23 @@ class Point:
     @property
     def name(self) -> str:
         """A name for files."""
-        return f"{self.shading}-{self.fraction}-{self.subdivision.replace(':', '')}"
+        return f"{self.shading}-{self.fraction}-{self.subdivision}".replace(":", "")
+
+    @property
+    def allowed(self) -> float | None:
+        """The error that an adaptive point is allowed; None for others."""
+        name, _, number = self.shading.partition(":")
+        return float(number) if name == ADAPTIVE else None
 
     @property
     def order(self) -> str:
-        """Order of the colour channels."""
-        return ORDER_NAMES[SHADING_ORDERS[self.shading]]
+        """Highest order of the colour channels."""
+        return ORDER_NAMES[self.max_order]
+
+    @property
+    def max_order(self) -> int:
+        """The same as a number, the generic of the core."""
+        return SHADING_ORDERS.get(self.shading, QUADRATIC)
 
     def formats(self, base: Formats) -> Formats:
         """
@@ -69,7 +85,7 @@ class Point:
         """
         return base.with_generics(
             {
-                "max_order": SHADING_ORDERS[self.shading],
+                "max_order": self.max_order,
                 "frac_bits": self.fraction,
                 "word_width": self.fraction + base.value_bits + HEADROOM_BITS,
             }
@@ -79,7 +95,7 @@ class Point:
 @dataclass(frozen=True)
 class Grid:
     """
-    All points of a sweep: every combination of three axes.
+    All points of a sweep: every combination of three axes; what is adaptive divides by itself.
 
     Attributes
     ----------
@@ -93,7 +109,7 @@ class Grid:
     """
 
     fractions: tuple[int, ...] = FRACTIONS
-    shadings: tuple[str, ...] = SHADINGS
+    shadings: tuple[str, ...] = DEFAULT_SHADINGS
     subdivisions: tuple[str, ...] = SUBDIVISIONS
 
     def __post_init__(self) -> None:
@@ -101,17 +117,34 @@ class Grid:
             values = getattr(self, name)
             if not values or len(set(values)) != len(values):
                 raise QuadshadeError(f"the {name} are {values}", "give at least one, and each once")
-        for shading in self.shadings:
-            if shading not in SHADINGS:
-                raise QuadshadeError(f"the shading is {shading!r}", f"give some of {', '.join(SHADINGS)}")
         for subdivision in self.subdivisions:
             check_subdivision(subdivision)
+        for shading in self.shadings:
+            _check_shading(shading)
+            if shading not in SHADINGS and WHOLE not in self.subdivisions:
+                raise QuadshadeError(
+                    f"the shading {shading} divides by itself", "give the subdivision none too"
+                )
 
     def __iter__(self) -> Iterator[Point]:
         for subdivision in self.subdivisions:
             for shading in self.shadings:
-                for fraction in self.fractions:
-                    yield Point(shading, fraction, subdivision)
+                if shading in SHADINGS or subdivision == WHOLE:
+                    for fraction in self.fractions:
+                        yield Point(shading, fraction, subdivision)
 
     def __len__(self) -> int:
-        return len(self.fractions) * len(self.shadings) * len(self.subdivisions)
+        return sum(1 for _ in self)
+
+
+def _check_shading(shading: str) -> None:
+    """Raise :class:`QuadshadeError` for a shading that there is not."""
+    name, _, number = shading.partition(":")
+    lowest, highest = ADAPTIVE_RANGE
+    try:
+        known = shading in SHADINGS or (name == ADAPTIVE and lowest <= float(number) <= highest)
+    except ValueError:
+        known = False
+    if not known:
+        choices = ", ".join((*SHADINGS, f"adaptive:E with E from {lowest:g} to {highest:g}"))
+        raise QuadshadeError(f"the shading is {shading!r}", f"give some of {choices}")

@@ -18,7 +18,7 @@ from joblib import Parallel, delayed
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.trade.area import DEVICE, count_cells, no_tools
-from quadshade.trade.measure import HEAT_FULL, MEASURED, measure, png
+from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, measure, png
 from quadshade.trade.pareto import COSTS, mark_pareto
 from quadshade.trade.point import Grid, Point
 from quadshade.trade.store import forget_others, point_key, stage_digest, store, stored
@@ -135,6 +135,8 @@ def sweep(
             record["picture"] = f"{POINTS}/{keys[point]}/picture.png" if drawn else None
             record["error_map"] = f"{POINTS}/{keys[point]}/error.png" if drawn else None
             record["reference"] = references[point.subdivision]
+            if drawn and point.allowed is not None:
+                record["reference"] = f"{POINTS}/{keys[point]}/{REFERENCE}"
             records.append(record)
         mark_pareto(records)
         free = {n: v for n, v in base.generics().items() if n not in ("max_order", "frac_bits", "word_width")}

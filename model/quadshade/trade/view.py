@@ -113,12 +113,19 @@ def stage(view: View, projected: Projected, subdivision: str, formats: Formats) 
     Stage
     """
     parts = subdivide(projected, subdivision, view.lamps, view.surface, formats)
-    pixels = draw(sample(parts, "flat", view.lamps, view.surface, formats), formats).pixels
+    reference = phong_picture(parts, view.lamps, view.surface, formats)
+    return Stage(parts, len(projected), view.lamps, view.surface, reference)
+
+
+def phong_picture(
+    parts: Projected, lights: tuple[Light, ...] | None, material: Material, formats: Formats
+) -> np.ndarray:
+    """(height, width, 3) uint8 Phong shading of triangles, with the coverage and depth of the core."""
+    pixels = draw(sample(parts, "flat", lights, material, formats), formats).pixels
     shown = visible(pixels, parts.width, parts.height)
     seen = shown[shown >= 0]
     value = np.zeros((len(pixels), 3))
     value[seen] = phong(
-        parts, pixels.triangle[seen], pixels.x[seen], pixels.y[seen], view.lamps, view.surface, formats
+        parts, pixels.triangle[seen], pixels.x[seen], pixels.y[seen], lights, material, formats
     )
-    picture = paint(shown, value, BACKGROUND, (1 << formats.value_bits) - 1)
-    return Stage(parts, len(projected), view.lamps, view.surface, picture)
+    return paint(shown, value, BACKGROUND, (1 << formats.value_bits) - 1)
