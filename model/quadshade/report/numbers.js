@@ -61,7 +61,9 @@ function isScalar(value) { return value === null || typeof value !== "object"; }
 // Any JSON as tables: a list of records, a record of scalars, or whatever they are nested in.
 function tablesOf(file, path) {
   const value = lookUp(file, path);
-  if (Array.isArray(value) && value.length && value.every(isRecord)) return [recordTable(file, path, value)];
+  if (Array.isArray(value) && value.length && value.every(isRecord)) {
+    return [recordTable(file, path, value), ...nestedTables(file, path, value)];
+  }
   if (isScalar(value)) return [el("p", { class: "note" }, `${words(String(path.at(-1)))}: `, datum(file, path))];
   const entries = Object.keys(value).map((key) => (Array.isArray(value) ? Number(key) : key));
   const plain = entries.filter((key) => isScalar(value[key]));
@@ -87,4 +89,16 @@ function recordTable(file, path, records) {
     el("td", { class: isText(records, name) ? "word" : null }, datum(file, [...path, index, name])))));
   const made = table(flat.map(words), rows);
   return records.length > LONG ? el("details", {}, el("summary", {}, "the table"), made) : made;
+}
+
+// What records hold beside scalars, folded away under the record's first word.
+function nestedTables(file, path, records) {
+  return records.flatMap((record, index) => {
+    const inner = Object.keys(record).filter((name) => !isScalar(record[name]));
+    const title = Object.keys(record).find((name) => typeof record[name] === "string");
+    if (!inner.length) return [];
+    const heading = title === undefined ? el("summary", {}, "more") : el("summary", {}, datum(file, [...path, index, title]));
+    return [el("details", {}, heading, ...inner.flatMap((name) =>
+      [el("h3", {}, words(name)), ...tablesOf(file, [...path, index, name])]))];
+  });
 }

@@ -14,7 +14,7 @@ from PIL import Image
 from quadshade.errors import QuadshadeError
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
-WIDTH, HEIGHT = 1160, 1720
+WIDTH, HEIGHT = 1160, 1780
 TIMEOUT_SECONDS = 120
 
 
