@@ -51,6 +51,9 @@ hostspeed: setup ## measure set-up, host path and golden model on one core, writ
 .PHONY: stability
 stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
 	@$(VENV) scripts/stability.py
+.PHONY: shade-table
+shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md and docs/shade.md
+	@$(VENV) scripts/shade_table.py
 
 .PHONY: extremes
 extremes: setup ## measure error over triangle size and fraction, write docs/reports/extremes.md

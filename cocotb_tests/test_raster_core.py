@@ -51,7 +51,7 @@ CONFIGS = [
 
 @pytest.mark.parametrize("config", CONFIGS, ids=identifier)
 def test_raster_core(config: Config) -> None:
-    simulate("raster_core", config)
+    simulate("raster_core", config, config.core_generics())
 
 
 def beats_of(words: np.ndarray, formats: Formats) -> list[tuple[int]]:

@@ -28,6 +28,9 @@ entity command_decoder is
     coord_bits : natural := default_formats.coord_bits;
     stream_width : natural := default_formats.stream_width;
     span_depth : natural := default_formats.span_depth;
+    with_shade : natural := default_formats.with_shade;
+    num_specular : natural := default_formats.num_specular;
+    shade_guard_bits : natural := default_formats.shade_guard_bits;
     -- The board's: see board_t.
     clk_frequency_hz : natural := 100_000_000;
     default_phase_step : natural := 167772;
@@ -98,7 +101,7 @@ architecture rtl of command_decoder is
 
   constant formats : formats_t := (
     num_channels, max_order, with_depth, word_width, frac_bits, value_bits, depth_bits, subpixel_bits,
-    coord_bits, stream_width, span_depth
+    coord_bits, stream_width, span_depth, with_shade, num_specular, shade_guard_bits
   );
   constant board : board_t := (
     clk_frequency_hz, default_phase_step, fifo_words, features, screen_width, screen_height, colour_bytes,

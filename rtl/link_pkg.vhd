@@ -109,7 +109,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"e91da642");
+    words(1) := std_ulogic_vector'(x"ae7af51e");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));
@@ -130,7 +130,9 @@ package body link_pkg is
         & std_ulogic_vector(to_unsigned(f.coord_bits, 8))
         & std_ulogic_vector(to_unsigned(f.subpixel_bits, 8))
         & std_ulogic_vector(to_unsigned(f.depth_bits, 8));
-    words(10) := std_ulogic_vector(to_unsigned(0, 24))
+    words(10) := std_ulogic_vector(to_unsigned(f.shade_guard_bits, 8))
+        & std_ulogic_vector(to_unsigned(f.num_specular, 8))
+        & std_ulogic_vector(to_unsigned(f.with_shade, 8))
         & std_ulogic_vector(to_unsigned(f.span_depth, 8));
     return words;
   end function identity_of;

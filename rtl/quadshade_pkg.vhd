@@ -26,6 +26,15 @@ package quadshade_pkg is
   constant plane_dd_mixed : natural := 4;
   constant plane_dd_col : natural := 5;
 
+  -- The shade unit: operands, fractions, a power table's values and index, stages, addresses.
+  constant factor_bits : positive := 18;
+  constant coefficient_frac_bits : positive := 16;
+  constant power_bits : positive := 16;
+  constant power_mantissa_bits : positive := 5;
+  constant power_stages : positive := 8;
+  constant state_address_bits : positive := 13;
+  constant shaded_colours : positive := 3;
+
   -- Generics of the core:
   --   num_channels: colour channels, 1 to 8
   --   max_order: highest order the channels are built for: 0 constant, 1 linear, 2 quadratic
@@ -38,6 +47,9 @@ package quadshade_pkg is
   --   coord_bits: screen coordinates are 0 .. 2**coord_bits - 1
   --   stream_width: bits of the set-up stream: 32, 64 or 128
   --   span_depth: spans held between edge walker and span walker, 1 to 16
+  --   with_shade: 1: diffuse and specular channels become a colour behind the core
+  --   num_specular: with shade: how many of the channels, the last ones, are raised to a power
+  --   shade_guard_bits: with shade: bits that channels carry below value_bits
   type formats_t is record
     num_channels : natural;
     max_order : natural;
@@ -50,6 +62,9 @@ package quadshade_pkg is
     coord_bits : natural;
     stream_width : natural;
     span_depth : natural;
+    with_shade : natural;
+    num_specular : natural;
+    shade_guard_bits : natural;
   end record formats_t;
 
   constant default_formats : formats_t := (
@@ -63,7 +78,10 @@ package quadshade_pkg is
     subpixel_bits => 8,
     coord_bits => 12,
     stream_width => 32,
-    span_depth => 2
+    span_depth => 2,
+    with_shade => 0,
+    num_specular => 1,
+    shade_guard_bits => 10
   );
 
   -- True, or a failure that names the first generic out of range and the value got.
@@ -83,6 +101,16 @@ package quadshade_pkg is
   function stream_lanes(f : formats_t) return integer;
   -- lanes of one channel word
   function word_lanes(f : formats_t) return integer;
+  -- what a colour lane emits
+  function lane_value_bits(f : formats_t) return integer;
+  -- the same word, cut lower
+  function lane_frac_bits(f : formats_t) return integer;
+  -- colours of a pixel
+  function emitted_channels(f : formats_t) return integer;
+  -- of the tree that adds up to 8 channels: the binary logarithm, rounded up
+  function sum_levels(f : formats_t) return integer;
+  -- power, operand, product, sums, ambient, clamp; the output's registers come behind
+  function shade_stages(f : formats_t) return integer;
 
   type edge_layout_t is record
     has_second_low : natural;
@@ -168,9 +196,9 @@ package body quadshade_pkg is
       report "generic word_width is " & integer'image(f.word_width)
         & "; give a value from 12 to 60"
       severity failure;
-    assert f.value_bits >= 1 and f.value_bits <= 16
+    assert f.value_bits >= 1 and f.value_bits <= 18
       report "generic value_bits is " & integer'image(f.value_bits)
-        & "; give a value from 1 to 16"
+        & "; give a value from 1 to 18"
       severity failure;
     assert f.depth_bits >= 1 and f.depth_bits <= 31
       report "generic depth_bits is " & integer'image(f.depth_bits)
@@ -192,9 +220,34 @@ package body quadshade_pkg is
       report "generic frac_bits is " & integer'image(f.frac_bits)
         & "; give a value from 0 to word_width - value_bits - 2"
       severity failure;
-    assert f.with_depth = 0 or (f.depth_bits >= 1 and f.depth_bits <= f.word_width - 2)
+    assert f.with_depth = 0
+      or (f.depth_bits >= 1 and f.depth_bits <= f.word_width - 2)
       report "generic depth_bits is " & integer'image(f.depth_bits)
         & "; give a value from 1 to word_width - 2"
+      severity failure;
+    assert f.with_shade >= 0 and f.with_shade <= 1
+      report "generic with_shade is " & integer'image(f.with_shade)
+        & "; give a value from 0 to 1"
+      severity failure;
+    assert f.with_shade = 0
+      or (f.num_specular >= 1 and f.num_specular <= f.num_channels)
+      report "generic num_specular is " & integer'image(f.num_specular)
+        & "; give a value from 1 to num_channels"
+      severity failure;
+    assert f.with_shade = 0
+      or (f.value_bits >= 4 and f.value_bits <= 14)
+      report "generic value_bits is " & integer'image(f.value_bits)
+        & "; give a value from 4 to 14"
+      severity failure;
+    assert f.with_shade = 0
+      or (f.shade_guard_bits >= 4 and f.shade_guard_bits <= 18 - f.value_bits)
+      report "generic shade_guard_bits is " & integer'image(f.shade_guard_bits)
+        & "; give a value from 4 to 18 - value_bits"
+      severity failure;
+    assert f.with_shade = 0
+      or (f.frac_bits >= f.shade_guard_bits and f.frac_bits <= f.word_width - f.value_bits - 2)
+      report "generic frac_bits is " & integer'image(f.frac_bits)
+        & "; give a value from shade_guard_bits to word_width - value_bits - 2"
       severity failure;
     return true;
   end function check_formats;
@@ -233,6 +286,31 @@ package body quadshade_pkg is
   begin
     return (f.word_width + 31) / 32;
   end function word_lanes;
+
+  function lane_value_bits(f : formats_t) return integer is
+  begin
+    return f.value_bits + f.with_shade * f.shade_guard_bits;
+  end function lane_value_bits;
+
+  function lane_frac_bits(f : formats_t) return integer is
+  begin
+    return f.frac_bits - f.with_shade * f.shade_guard_bits;
+  end function lane_frac_bits;
+
+  function emitted_channels(f : formats_t) return integer is
+  begin
+    return f.num_channels * (1 - f.with_shade) + 3 * f.with_shade;
+  end function emitted_channels;
+
+  function sum_levels(f : formats_t) return integer is
+  begin
+    return (f.num_channels + 6) / 8 + (f.num_channels + 5) / 8 + (f.num_channels + 3) / 8;
+  end function sum_levels;
+
+  function shade_stages(f : formats_t) return integer is
+  begin
+    return (8 + 4 + sum_levels(f)) * f.with_shade;
+  end function shade_stages;
 
   function edge_layout(f : formats_t) return edge_layout_t is
     variable layout : edge_layout_t;

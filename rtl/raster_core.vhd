@@ -59,7 +59,7 @@ architecture rtl of raster_core is
     num_channels => num_channels, max_order => max_order, with_depth => with_depth,
     word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
     subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
-    span_depth => span_depth
+    span_depth => span_depth, with_shade => 0, num_specular => 1, shade_guard_bits => 0
   );
   constant formats_ok : boolean := check_formats(formats);
   constant layout : edge_layout_t := edge_layout(formats);

@@ -22,6 +22,15 @@ RTL = Path(__file__).resolve().parent.parent / "rtl"
 
 GENERICS = tuple(f.name for f in fields(formats.Formats))
 DERIVED = tuple(name for name, _, _ in formats.DERIVED)
+SHADE_CONSTANTS = (
+    "factor_bits",
+    "coefficient_frac_bits",
+    "power_bits",
+    "power_mantissa_bits",
+    "power_stages",
+    "state_address_bits",
+    "shaded_colours",
+)
 
 HEADER = """\
 -- SPDX-License-Identifier: Apache-2.0
@@ -117,7 +126,7 @@ def check_body() -> list[str]:
         low, high = vhdl_expression(lowest), vhdl_expression(highest)
         condition = f"f.{name} >= {low} and f.{name} <= {high}"
         if holds != "1":
-            condition = f"{vhdl_expression(holds)} = 0 or ({condition})"
+            condition = f"{vhdl_expression(holds)} = 0\n      or ({condition})"
         lines += assertion(name, condition, f"a value from {lowest} to {highest}")
     return [*lines, "    return true;", "  end function check_formats;", ""]
 
@@ -143,6 +152,9 @@ def package() -> str:
         "  -- Planes of a channel, in the order in which they are sent.",
         f"  constant num_planes : positive := {len(formats.PLANES)};",
         *(f"  constant plane_{name} : natural := {i};" for i, name in enumerate(formats.PLANES)),
+        "",
+        "  -- The shade unit: operands, fractions, a power table's values and index, stages, addresses.",
+        *(f"  constant {name} : positive := {getattr(formats, name.upper())};" for name in SHADE_CONSTANTS),
         "",
         "  -- Generics of the core:",
         *(f"  --   {name}: {text}" for name, text in formats.GENERIC_HELP.items()),

@@ -67,7 +67,7 @@ def test_is_made_once_and_again_when_anything_changes(tmp_path: Path) -> None:
 @needs_ghdl
 def test_core_has_no_string_whatever_its_generics() -> None:
     for formats in (Formats(), Formats(word_width=60, frac_bits=40, stream_width=128)):
-        text = write_netlist(formats.generics()).read_text()
+        text = write_netlist(formats.core_generics()).read_text()
         assert f"module {TOP}\n" in text and '"' not in text
 
 

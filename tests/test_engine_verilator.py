@@ -192,7 +192,7 @@ def test_fold_leaves_what_is_used_elsewhere() -> None:
 
 @pytest.mark.skipif(shutil.which("ghdl") is None, reason="needs GHDL: run `make setup`")
 def test_fold_finds_the_enables_of_the_core() -> None:
-    netlist = write_netlist(Formats().generics()).read_text()
+    netlist = write_netlist(Formats().core_generics()).read_text()
     folded = fold(netlist)
     assert netlist.count("if (") == 0 and folded.count("    if (") > 50
     assert "always @*" not in folded and "moves[" not in folded

@@ -91,9 +91,10 @@ def expected(formats: Formats) -> dict[str, int]:
 def random_generics(rng: np.random.Generator) -> dict[str, int]:
     """Generics each within its own range; together they may still be wrong."""
     generics = {name: int(rng.choice(values)) for name, values in GENERIC_CHOICES}
-    for name, low, high, _ in GENERIC_RANGES:
-        if high.isdecimal():
+    for name, low, high, condition in GENERIC_RANGES:
+        if high.isdecimal() and condition == "1":
             generics[name] = int(rng.integers(int(low), int(high) + 1))
+    generics["num_specular"], generics["shade_guard_bits"] = map(int, rng.integers(0, (5, 15)))
     generics["frac_bits"] = int(rng.integers(0, max(1, generics["word_width"] - generics["value_bits"])))
     return generics
 
@@ -114,20 +115,27 @@ def test_package_agrees_with_formats(build: Path, rng: np.random.Generator) -> N
     assert verdicts == {"accepted", "rejected"}
 
 
-def outside() -> list[tuple[str, int]]:
-    """Every generic one above its range, and one below where that is still a natural."""
-    settings = [(name, values[-1] + 1) for name, values in GENERIC_CHOICES]
-    for name, low, high, _ in GENERIC_RANGES:
-        settings.append((name, Formats().evaluate(high) + 1))
-        if int(low) > 0:
-            settings.append((name, int(low) - 1))
+def outside() -> list[tuple[str, int, str]]:
+    """Every generic one above its range and one below, where that is a natural, and what must be 1 for it."""
+    settings = [(name, values[-1] + 1, "1") for name, values in GENERIC_CHOICES]
+    for name, low, high, condition in GENERIC_RANGES:
+        formats = Formats(**needed(condition))
+        settings.append((name, formats.evaluate(high) + 1, condition))
+        if formats.evaluate(low) > 0:
+            settings.append((name, formats.evaluate(low) - 1, condition))
     return sorted(set(settings))
 
 
-@pytest.mark.parametrize(("name", "value"), outside(), ids=lambda value: str(value))
-def test_out_of_range_is_named(build: Path, name: str, value: int) -> None:
+def needed(condition: str) -> dict[str, int]:
+    """Generics with which a range holds; wide words, so that no other is broken."""
+    return {"with_shade": 1, "word_width": 60} if condition == "with_shade" else {}
+
+
+@pytest.mark.parametrize(("name", "value", "condition"), outside(), ids=str)
+def test_out_of_range_is_named(build: Path, name: str, value: int, condition: str) -> None:
+    generics = needed(condition) | {name: value}
     with pytest.raises(QuadshadeError, match=rf"generic {name} is {value}; give"):
-        Formats(**{name: value})
-    code, _, text = elaborate(build, {name: value})
+        Formats(**generics)
+    code, _, text = elaborate(build, generics)
     assert code != 0
     assert f"generic {name} is {value}; give" in text

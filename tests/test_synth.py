@@ -103,7 +103,7 @@ def test_harness_connects_every_bit_once() -> None:
 
 def test_netlist_is_sound(tmp_path: Path) -> None:
     """No string constant, no latch, no loop, nothing undriven, for a core small enough to check quickly."""
-    netlist = write_netlist(Formats(**SMALL).generics())
+    netlist = write_netlist(Formats(**SMALL).core_generics())
     verilog = netlist.read_text()
     assert '"' not in verilog
     (tmp_path / "core.v").write_text(verilog)

@@ -9,6 +9,7 @@ expression over the names of :class:`Formats`, written so that it means the same
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from numbers import Integral
 
 from quadshade.errors import QuadshadeError
@@ -35,6 +36,26 @@ a *row* step goes one scanline down and ``major.step`` pixels along):
 PLANES_OF_ORDER = (1, 3, 6)
 """How many planes a channel of order constant, linear, quadratic needs."""
 
+FACTOR_BITS = 18
+"""Operands of the shade unit's multipliers, those of the FPGAs' own: a lane's value, a coefficient."""
+
+COEFFICIENT_FRAC_BITS = 16
+"""Fraction of a coefficient of the shade unit, of its products once cut, and of the ambient colour."""
+
+POWER_BITS = 16
+"""A value in a power table; two of them make a word of the table, 32 bits."""
+
+POWER_MANTISSA_BITS = 5
+"""Bits of a power table's index below the leading one."""
+
+POWER_STAGES = 8
+"""Stages from a cosine to its power."""
+
+STATE_ADDRESS_BITS = 13
+"""Addresses of the shade unit's state: the power tables below, registers above (``setup/shade_state.py``)."""
+
+SHADED_COLOURS = 3
+
 DERIVED = (
     ("carried_channels", "num_channels + with_depth", "colour channels and, last, depth"),
     ("column_bits", "coord_bits + 1", "a column is 0 .. 2**coord_bits, both included"),
@@ -43,6 +64,23 @@ DERIVED = (
     ("depth_frac_bits", "word_width - depth_bits - 2", "one bit of overshoot and the sign stay free"),
     ("stream_lanes", "stream_width / 32", "lanes of a beat"),
     ("word_lanes", "(word_width + 31) / 32", "lanes of one channel word"),
+    ("lane_value_bits", "value_bits + with_shade * shade_guard_bits", "what a colour lane emits"),
+    ("lane_frac_bits", "frac_bits - with_shade * shade_guard_bits", "the same word, cut lower"),
+    (
+        "emitted_channels",
+        f"num_channels * (1 - with_shade) + {SHADED_COLOURS} * with_shade",
+        "colours of a pixel",
+    ),
+    (
+        "sum_levels",
+        "(num_channels + 6) / 8 + (num_channels + 5) / 8 + (num_channels + 3) / 8",
+        "of the tree that adds up to 8 channels: the binary logarithm, rounded up",
+    ),
+    (
+        "shade_stages",
+        f"({POWER_STAGES} + 4 + sum_levels) * with_shade",
+        "power, operand, product, sums, ambient, clamp; the output's registers come behind",
+    ),
 )
 """Derived widths: name, expression, why."""
 
@@ -92,14 +130,20 @@ GENERIC_HELP = {
     "coord_bits": "screen coordinates are 0 .. 2**coord_bits - 1",
     "stream_width": "bits of the set-up stream: 32, 64 or 128",
     "span_depth": "spans held between edge walker and span walker, 1 to 16",
+    "with_shade": "1: diffuse and specular channels become a colour behind the core",
+    "num_specular": "with shade: how many of the channels, the last ones, are raised to a power",
+    "shade_guard_bits": "with shade: bits that channels carry below value_bits",
 }
+
+SHADE_GENERICS = ("with_shade", "num_specular", "shade_guard_bits")
+"""Generics of what follows the rasteriser core; it has all others."""
 
 GENERIC_RANGES = (
     ("num_channels", "1", "8", "1"),
     ("max_order", "0", "2", "1"),
     ("with_depth", "0", "1", "1"),
     ("word_width", "12", "60", "1"),
-    ("value_bits", "1", "16", "1"),
+    ("value_bits", "1", "18", "1"),
     ("depth_bits", "1", "31", "1"),
     ("subpixel_bits", "0", "12", "1"),
     ("coord_bits", "3", "13", "1"),
@@ -107,6 +151,12 @@ GENERIC_RANGES = (
     # A quadratic through six values in [0, 1] stays within [-1/3, 4/3]: the sign and one more bit.
     ("frac_bits", "0", "word_width - value_bits - 2", "1"),
     ("depth_bits", "1", "word_width - 2", "with_depth"),
+    ("with_shade", "0", "1", "1"),
+    ("num_specular", "1", "num_channels", "with_shade"),
+    ("value_bits", "4", "14", "with_shade"),
+    # A lane's value is an operand of a multiplier, and a power table's index has 5 bits below its first.
+    ("shade_guard_bits", "4", f"{FACTOR_BITS} - value_bits", "with_shade"),
+    ("frac_bits", "shade_guard_bits", "word_width - value_bits - 2", "with_shade"),
 )
 """Allowed values of a generic: name, lowest, highest (both included), and what must be 1 for it to hold."""
 
@@ -136,6 +186,9 @@ class Formats:
     coord_bits: int = 12
     stream_width: int = 32
     span_depth: int = 2
+    with_shade: int = 0
+    num_specular: int = 1
+    shade_guard_bits: int = 10
 
     def __post_init__(self) -> None:
         self.check()
@@ -163,10 +216,7 @@ class Formats:
 
     def evaluate(self, expression: str) -> int:
         """Value of a width expression of this module's tables (integers, ``+ - * /`` with floor division)."""
-        names = {f.name: getattr(self, f.name) for f in fields(self)}
-        for derived, text, _ in DERIVED:
-            names[derived] = eval(text.replace("/", "//"), {}, names)
-        return eval(expression.replace("/", "//"), {}, names)
+        return _evaluate(self, expression)
 
     def with_generics(self, settings: dict[str, int]) -> Formats:
         """
@@ -188,6 +238,16 @@ class Formats:
     def generics(self) -> dict[str, int]:
         """All generics by VHDL name."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @property
+    def core(self) -> Formats:
+        """Formats of the rasteriser core within: with shade its lanes emit more bits of the same words."""
+        plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
+        return replace(self, value_bits=self.lane_value_bits, frac_bits=self.lane_frac_bits, **plain)
+
+    def core_generics(self) -> dict[str, int]:
+        """Generics of the rasteriser core alone by VHDL name."""
+        return {name: value for name, value in self.generics().items() if name not in SHADE_GENERICS}
 
     def section(self, name: str) -> dict[str, tuple[int, int]]:
         """Bit offset and width of every field of a section."""
@@ -224,12 +284,12 @@ class Formats:
 
     @property
     def channel_frac_bits(self) -> tuple[int, ...]:
-        """Fraction bits of every carried channel (depth last)."""
+        """Fraction bits of every carried channel's words (depth last)."""
         return (self.frac_bits,) * self.num_channels + (self.depth_frac_bits,) * self.with_depth
 
     @property
     def channel_value_bits(self) -> tuple[int, ...]:
-        """Bits of the emitted value of every carried channel (depth last)."""
+        """Bits of a value of every carried channel (depth last), without those that shade keeps below."""
         return (self.value_bits,) * self.num_channels + (self.depth_bits,) * self.with_depth
 
     @property
@@ -242,3 +302,12 @@ class Formats:
         """Lowest and highest vertex coordinate in sub-pixels, both allowed."""
         size = 1 << (self.coord_bits + self.subpixel_bits)
         return -size, 2 * size - 1
+
+
+@lru_cache(maxsize=4096)
+def _evaluate(formats: Formats, expression: str) -> int:
+    """The value of an expression, which is asked for often and takes long."""
+    names = formats.generics()
+    for derived, text, _ in DERIVED:
+        names[derived] = eval(text.replace("/", "//"), {}, names)
+    return eval(expression.replace("/", "//"), {}, names)

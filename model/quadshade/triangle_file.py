@@ -12,6 +12,7 @@ import numpy as np
 
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, ORDER_NAMES, QUADRATIC, Formats
+from quadshade.shade_file import read_shade, shade_content
 from quadshade.triangles import ScreenTriangles
 
 MAX_CHANNELS = 8
@@ -83,9 +84,9 @@ def _numbers(values: object, lengths: tuple[int, ...], what: str) -> list[float]
         raise _Fault(f"{what}: {error}") from None
 
 
-def _in_range(values: list[float], top: int, what: str) -> list[float]:
-    if min(values) < 0 or max(values) > top:
-        raise _Fault(f"{what} has {next(v for v in values if not 0 <= v <= top)}, outside 0 .. {top}")
+def _in_range(values: list[float], top: int, what: str, low: int = 0) -> list[float]:
+    if min(values) < low or max(values) > top:
+        raise _Fault(f"{what} has {next(v for v in values if not low <= v <= top)}, outside {low} .. {top}")
     return values
 
 
@@ -108,7 +109,7 @@ def _read_vertices(triangle: dict, formats: Formats, out: np.ndarray) -> None:
 
 
 def _read_samples(
-    triangle: dict, channels: list[str], top: int, samples: np.ndarray, orders: np.ndarray
+    triangle: dict, channels: list[str], low: int, top: int, samples: np.ndarray, orders: np.ndarray
 ) -> None:
     given = triangle.get("samples")
     if not isinstance(given, dict):
@@ -119,7 +120,8 @@ def _read_samples(
     for index, name in enumerate(channels):
         if name not in given:
             raise _Fault(f"no samples for channel {name!r}")
-        values = _in_range(_numbers(given[name], (6, 3, 1), f"channel {name!r}"), top, f"channel {name!r}")
+        what = f"channel {name!r}"
+        values = _in_range(_numbers(given[name], (6, 3, 1), what), top, what, low)
         samples[index, : len(values)] = values
         orders[index] = _ORDER_OF_LENGTH[len(values)]
 
@@ -168,12 +170,14 @@ def _convert(content: dict, path: Path, formats: Formats) -> ScreenTriangles:
     orders = np.zeros((count, len(channels)), dtype=np.int64)
     depth = np.zeros((count, 3)) if with_depth else None
     value_top, depth_top = (1 << formats.value_bits) - 1, (1 << formats.depth_bits) - 1
+    # A cosine may be negative: with shade it becomes zero at each pixel, not at the samples.
+    value_low = -value_top if "shade" in content else 0
     for index, triangle in enumerate(given):
         try:
             if not isinstance(triangle, dict):
                 raise _Fault("is not an object")
             _read_vertices(triangle, formats, vertices[index])
-            _read_samples(triangle, channels, value_top, samples[index], orders[index])
+            _read_samples(triangle, channels, value_low, value_top, samples[index], orders[index])
             if orders[index].max() > formats.max_order:
                 raise _Fault(
                     f"is {ORDER_NAMES[orders[index].max()]}, generic max_order is {formats.max_order}"
@@ -184,8 +188,11 @@ def _convert(content: dict, path: Path, formats: Formats) -> ScreenTriangles:
                 depth[index] = _in_range(_numbers(triangle["depth"], (3,), "depth"), depth_top, "depth")
         except _Fault as error:
             raise QuadshadeError(f"{path}: triangle {index}: {error}", "see docs/triangles_file.md") from None
+    shade = None
+    if "shade" in content:
+        shade = read_shade(content["shade"], channels, path).state(formats)
     return ScreenTriangles(
-        content["width"], content["height"], vertices, samples, orders, depth, tuple(channels)
+        content["width"], content["height"], vertices, samples, orders, depth, tuple(channels), shade
     )
 
 
@@ -215,7 +222,7 @@ def read_triangles(path: Path, formats: Formats) -> ScreenTriangles:
 
 def open_triangles(path: Path, generics: dict[str, int]) -> tuple[ScreenTriangles, Formats]:
     """
-    Read a triangles file, and fit the core's formats to it: its number of channels, depth if it has any.
+    Read a triangles file, and fit the core's formats to it: number of channels, depth, shade.
 
     Parameters
     ----------
@@ -236,7 +243,16 @@ def open_triangles(path: Path, generics: dict[str, int]) -> tuple[ScreenTriangle
     content = _load(path)
     channels, given = _check_head(content, path)
     fitted = {"num_channels": len(channels), "with_depth": int(_has_depth(given))}
+    if "shade" in content:
+        shade = read_shade(content["shade"], channels, path)
+        fitted |= {"with_shade": 1, "num_specular": shade.specular}
     formats = Formats().with_generics(fitted | generics)
+    for name in ("with_shade", "num_specular"):
+        if name in fitted and getattr(formats, name) != fitted[name]:
+            raise QuadshadeError(
+                f"generic {name} is {getattr(formats, name)}, {path} needs {fitted[name]}",
+                "leave the generic out",
+            )
     if formats.num_channels != len(channels):
         raise QuadshadeError(
             f"generic num_channels is {formats.num_channels}, {path} has {len(channels)} channels",
@@ -256,7 +272,7 @@ def write_triangles(path: Path, triangles: ScreenTriangles, formats: Formats) ->
     path : Path
     triangles : ScreenTriangles
     formats : Formats
-      Its sub-pixel bits turn the vertices into pixels.
+      Its sub-pixel bits turn the vertices into pixels; its other formats are those of the shade unit's state.
 
     Raises
     ------
@@ -285,6 +301,8 @@ def write_triangles(path: Path, triangles: ScreenTriangles, formats: Formats) ->
         "channels": list(triangles.channels),
         "triangles": listed,
     }
+    if triangles.shade is not None:
+        content["shade"] = shade_content(triangles.shade, formats)
     try:
         Path(path).write_text(json.dumps(content) + "\n")
     except OSError as error:

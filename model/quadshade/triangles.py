@@ -4,8 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from quadshade.setup.shade_state import ShadeState
 
 
 @dataclass
@@ -20,14 +24,17 @@ class ScreenTriangles:
     vertices : (n, 3, 2) int64
       x and y in sub-pixels (1 / 2**subpixel_bits pixel), y down; pixel centres lie at half a pixel.
     samples : (n, channels, 6) float64
-      I1, I2, I3, I12, I13, I23 in output units (0 .. 255): at the vertices, then at the middles of the edges
-      (Abbas et al., section 3). A linear channel uses the first three, a constant one the first.
+      I1, I2, I3, I12, I13, I23 in output units (0 .. 255, with shade -255 .. 255): at the vertices, then at
+      the middles of the edges (Abbas et al., section 3). A linear channel uses the first three, a constant
+      one the first.
     orders : (n, channels) int64
       0 constant, 1 linear, 2 quadratic.
     depth : (n, 3) float64 or None
       Depth at the vertices, 0 (near) .. 2**depth_bits - 1 (far), linear on the screen.
     channels : tuple of str
       Channel names, as long as the channel axis.
+    shade : ShadeState or None
+      What the shade unit makes of the channels; None: the first three are the colour.
     """
 
     width: int
@@ -37,6 +44,7 @@ class ScreenTriangles:
     orders: np.ndarray
     depth: np.ndarray | None
     channels: tuple[str, ...]
+    shade: ShadeState | None = None
 
     def __len__(self) -> int:
         return len(self.vertices)
@@ -53,7 +61,7 @@ class Pixels:
       Index of the triangle that drew the pixel.
     x, y : (n,) int32
     value : (n, channels) int32
-      Rounded and clamped to 0 .. 2**value_bits - 1.
+      Of every channel, or with shade of red, green and blue; rounded and clamped to 0 .. 2**value_bits - 1.
     depth : (n,) int32 or None
     """
 

@@ -33,7 +33,7 @@ struct Record {
     uint16_t x;
     uint16_t y;
     uint32_t depth;
-    uint16_t value[NUM_CHANNELS];
+    uint32_t value[NUM_CHANNELS];
     uint16_t last;
 };
 

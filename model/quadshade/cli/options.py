@@ -19,7 +19,7 @@ from quadshade.formats import GENERIC_HELP, Formats
 PATH = click.Path(dir_okay=False, path_type=Path)
 
 GENERICS_EPILOG = "\b\nGenerics, and their defaults:\n" + "\n".join(
-    f"{name}={value}".ljust(18) + GENERIC_HELP[name] for name, value in Formats().generics().items()
+    f"{name}={value}".ljust(21) + GENERIC_HELP[name] for name, value in Formats().generics().items()
 )
 """What the help of a command with ``--generic`` ends with."""
 

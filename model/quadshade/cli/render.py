@@ -29,15 +29,15 @@ from quadshade.cli.options import (
 from quadshade.cli.setup_options import SETUPS, check_method, setup_options, undefined_note
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, Formats
-from quadshade.shading.sample import SHADING_ORDERS
+from quadshade.shading.sample import SHADING_ORDERS, widened
+from quadshade.shading.specular import SPECULAR_ORDERS, UnsuitedError, sample_specular, specular_formats
 
 if TYPE_CHECKING:
-    from quadshade.adapt import Adapted
     from quadshade.scene import Projected
     from quadshade.shading import Light, Material
-    from quadshade.triangles import Drawing
+    from quadshade.triangles import Drawing, ScreenTriangles
 
-SHADINGS = (*SHADING_ORDERS, "phong")
+SHADINGS = (*SHADING_ORDERS, *SPECULAR_ORDERS, "phong")
 COLOUR_CHANNELS = 3
 
 
@@ -50,7 +50,8 @@ COLOUR_CHANNELS = 3
     type=click.Choice(SHADINGS),
     default="quadratic",
     show_default=True,
-    help="How colour is interpolated; phong is the reference, computed in float on the host.",
+    help="How colour is interpolated; -specular: diffuse and specular cosines, the power taken per pixel; "
+    "phong is the reference, computed in float on the host.",
 )
 @click.option("--size", default="512x512", show_default=True, metavar="WxH", help="Pixels.")
 @click.option(
@@ -163,8 +164,20 @@ def render(
         projected = projected.back_to_front()
     with _progress(f"drawing {len(projected)} triangles with the engine {engine}"):
         adapted = adapted_to(adapt_choice, projected, lights, surface, formats)
+        if adapted is None:
+            triangles, formats = _sample(
+                projected,
+                shading,
+                lights,
+                surface,
+                formats,
+                parse_generics(generics),
+                setup_choice["method"] == "xshading",
+            )
+        else:
+            triangles = adapted.triangles
         drawing, shown, value = _draw(
-            projected, shading, lights, surface, formats, engine, waves, setup_choice, adapted
+            projected, triangles, shading == "phong", lights, surface, formats, engine, waves, setup_choice
         )
         adaptive, note = adapt_report(adapt_choice, adapted, drawing, projected, lights, surface, formats)
     picture = paint(shown, value, ground, (1 << formats.value_bits) - 1)
@@ -179,32 +192,51 @@ def render(
     )
 
 
-def _draw(
+def _sample(
     projected: Projected,
     shading: str,
+    lights: tuple[Light, ...] | None,
+    surface: Material,
+    formats: Formats,
+    generics: dict[str, int],
+    x_shading: bool,
+) -> tuple[ScreenTriangles, Formats]:
+    """What the engine is to draw, and the formats of a core for it."""
+    from quadshade.shading import sample
+
+    if shading in SPECULAR_ORDERS:
+        try:
+            fitted = specular_formats(generics, projected, lights, surface)
+            return sample_specular(projected, shading, lights, surface, fitted, x_shading), fitted
+        except UnsuitedError as reason:
+            shading = shading.removesuffix("-specular").replace("linear", "gouraud")
+            click.echo(f"quadshade: notice: drawn as {shading}: {reason}", err=True)
+            _check_colours(formats)
+    order = "flat" if shading == "phong" else shading
+    triangles = sample(projected, order, lights, surface, formats, x_shading)
+    return widened(triangles, formats.num_channels), formats
+
+
+def _draw(
+    projected: Projected,
+    triangles: ScreenTriangles,
+    is_phong: bool,
     lights: tuple[Light, ...] | None,
     surface: Material,
     formats: Formats,
     engine: str,
     waves: Path | None,
     setup_choice: dict,
-    adapted: Adapted | None,
 ) -> tuple[Drawing, np.ndarray, np.ndarray]:
     """What the engine drew, which of its pixels are seen, and their colours."""
     from quadshade.engine import draw
     from quadshade.image import visible
-    from quadshade.shading import sample
     from quadshade.shading.reference import phong
 
-    if adapted is None:
-        order = "flat" if shading == "phong" else shading
-        triangles = sample(projected, order, lights, surface, formats, setup_choice["method"] == "xshading")
-    else:
-        triangles = adapted.triangles
     drawing = draw(triangles, formats, engine, waves, **setup_choice)
     pixels = drawing.pixels
     shown = visible(pixels, projected.width, projected.height)
-    if shading != "phong":
+    if not is_phong:
         return drawing, shown, pixels.value
     # The engine's coverage and depth; only what is seen is worth shading.
     seen = shown[shown >= 0]
@@ -236,13 +268,18 @@ def _check_choices(output: Path, shading: str, formats: Formats) -> None:
     """Refuse options that contradict each other before any work is done."""
     if output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
-    if formats.num_channels != COLOUR_CHANNELS:
-        raise QuadshadeError(
-            f"generic num_channels is {formats.num_channels}", f"a picture needs {COLOUR_CHANNELS}"
-        )
-    needed = SHADING_ORDERS.get(shading, CONSTANT)
+    if shading not in SPECULAR_ORDERS:
+        _check_colours(formats)
+    needed = (SHADING_ORDERS | SPECULAR_ORDERS).get(shading, CONSTANT)
     if formats.max_order < needed:
         raise QuadshadeError(f"generic max_order is {formats.max_order}", f"shading {shading} needs {needed}")
+
+
+def _check_colours(formats: Formats) -> None:
+    """The channels that colours need; a shade unit passes three of more."""
+    got = formats.num_channels
+    if got < COLOUR_CHANNELS or (got > COLOUR_CHANNELS and not formats.with_shade):
+        raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {COLOUR_CHANNELS}")
 
 
 def _parse_size(text: str) -> tuple[int, int]:

@@ -11,8 +11,10 @@ from quadshade.engine.ghdl import draw_ghdl
 from quadshade.engine.verilator import draw_verilator, verilator_available
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
-from quadshade.golden.fast import EmittedPixels, draw_fast
+from quadshade.golden import render_core
+from quadshade.golden.fast import EmittedPixels
 from quadshade.setup.packet import pack
+from quadshade.setup.shade_state import ShadeState
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.triangles import Drawing, Pixels, ScreenTriangles
 
@@ -25,7 +27,11 @@ def default_engine() -> str:
 
 
 def draw_words(
-    words: np.ndarray, formats: Formats, engine: str = "model", waves: Path | None = None
+    words: np.ndarray,
+    formats: Formats,
+    engine: str = "model",
+    waves: Path | None = None,
+    state: ShadeState | None = None,
 ) -> EmittedPixels:
     """
     Draw a stream of set-up words.
@@ -39,6 +45,8 @@ def draw_words(
       One of ``ENGINES``.
     waves : Path, optional
       GHW file to write; needs an engine that simulates VHDL.
+    state : ShadeState, optional
+      Of the shade unit, for formats that have it; if left out, the first three channels are the colour.
 
     Returns
     -------
@@ -49,6 +57,8 @@ def draw_words(
     QuadshadeError
       Unknown engine, a stream that ends within a packet, a missing simulator, waves without one.
     """
+    if formats.with_shade and engine in ("ghdl", "verilator"):
+        raise QuadshadeError(f"the engine {engine} has no shade unit yet", "use --engine model")
     if engine not in ENGINES:
         raise QuadshadeError(f"there is no engine {engine!r}", f"the engines are {', '.join(ENGINES)}")
     if engine == "ghdl" and (waves is not None or len(words)):
@@ -58,7 +68,7 @@ def draw_words(
     # Without words nothing is drawn, and nothing need be compiled for it.
     if engine == "verilator" and len(words):
         return draw_verilator(words, formats)
-    return draw_fast(words, formats)
+    return render_core.draw(words, formats, state)
 
 
 def draw(
@@ -99,9 +109,9 @@ def draw(
     """
     primitives = setup_triangles(triangles, formats, fractional, rounding, method, limit, strict)
     words = pack(primitives, formats)
-    emitted = draw_words(words, formats, engine, waves)
+    emitted = draw_words(words, formats, engine, waves, triangles.shade)
     triangle = primitives.triangle[emitted.packet].astype(np.int32)
-    colours = formats.num_channels
+    colours = formats.emitted_channels
     stats = {
         "engine": engine,
         "clocks": emitted.clocks,

@@ -150,7 +150,7 @@ def draw_ghdl(
     with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
         folder = Path(scratch)
         write_beats(words, formats, folder / "beats.txt")
-        generics = formats.generics() | {
+        generics = formats.core_generics() | {
             "beats_file": folder / "beats.txt",
             "pixels_file": folder / "pixels.txt",
         }

@@ -91,8 +91,8 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
         raise QuadshadeError(f"{tools[0]} is not installed", "run `make setup`, or use --engine model")
     root = repository_root()
     harness = root / "sim" / "verilator" / f"{TOP}_main.cpp"
-    netlist = fold(write_netlist(formats.generics(), root=root).read_text())
-    generics = formats.generics()
+    netlist = fold(write_netlist(formats.core_generics(), root=root).read_text())
+    generics = formats.core_generics()
     macros = " ".join(f"-D{name.upper()}={generics[name]}" for name in MACROS)
     command = [_verilator(), *VERILATOR_OPTIONS, "--top-module", TOP, "-o", TOP, "-CFLAGS", macros]
     command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
@@ -120,7 +120,7 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
 
 def record_type(formats: Formats) -> np.dtype:
     """What the harness writes for a pixel: its ``struct Record``."""
-    value = ("value", np.uint16, (formats.num_channels,))
+    value = ("value", np.uint32, (formats.num_channels,))
     return np.dtype(
         [("x", np.uint16), ("y", np.uint16), ("depth", np.uint32), value, ("last", np.uint16)], align=True
     )

@@ -28,6 +28,7 @@ def _count_clocks(
     words_beat: int,
     span_depth: int,
     stall_period: int,
+    stages_behind: int,
 ) -> int:
     """Cycles from the first beat accepted to the last pixel out, both included; 0 where none comes out."""
     packets = len(beats)
@@ -55,15 +56,21 @@ def _count_clocks(
     # skid_buffer
     front = False
     spare = False
+    # shade: a ring of stages, and its skid_buffer, with which all of them move
+    behind = np.zeros(max(stages_behind, 1), np.bool_)
+    oldest = 0
+    shown = False
+    shown_spare = False
     cycle = 0
     while True:
         cycle += 1
         # What the sink sees in this cycle.
-        pixel_ready = stall_period == 0 or cycle % stall_period != 0
-        if front and pixel_ready:
+        sink_ready = stall_period == 0 or cycle % stall_period != 0
+        if (shown if stages_behind else front) and sink_ready:
             remaining_pixels -= 1
             if remaining_pixels == 0:
                 return cycle
+        pixel_ready = not shown_spare if stages_behind else sink_ready
         # Combinational.
         wanted = left <= 1
         advance = not spare
@@ -77,6 +84,16 @@ def _count_clocks(
         ready = packet < packets and not full and not (beat >= words_beat and first_0)
 
         # Clock edge, downstream first.
+        if stages_behind:
+            offered = behind[oldest]
+            if not shown_spare:
+                behind[oldest] = front
+                oldest = (oldest + 1) % stages_behind
+            if not shown or sink_ready:
+                shown = offered or shown_spare
+                shown_spare = False
+            elif offered:
+                shown_spare = True
         if not front or pixel_ready:
             front = clamped or spare
             spare = False
@@ -125,7 +142,12 @@ def _count_clocks(
 
 
 def count_clocks(
-    beats: np.ndarray, first_rows: np.ndarray, row_pixels: np.ndarray, formats: Formats, stall_period: int = 0
+    beats: np.ndarray,
+    first_rows: np.ndarray,
+    row_pixels: np.ndarray,
+    formats: Formats,
+    stall_period: int = 0,
+    stages_behind: int = 0,
 ) -> int:
     """
     Clocks that the core takes: first set-up word accepted to last pixel out, both included.
@@ -141,6 +163,8 @@ def count_clocks(
     formats : Formats
     stall_period : int
       The sink is not ready in every n-th clock, counted from the first beat; 0: always ready.
+    stages_behind : int
+      Stages of the shade unit behind the core; 0: there is none.
 
     Returns
     -------
@@ -149,6 +173,12 @@ def count_clocks(
     """
     return int(
         _count_clocks(
-            beats, first_rows, row_pixels, formats.section_beats("edge") - 1, formats.span_depth, stall_period
+            beats,
+            first_rows,
+            row_pixels,
+            formats.section_beats("edge") - 1,
+            formats.span_depth,
+            stall_period,
+            stages_behind,
         )
     )

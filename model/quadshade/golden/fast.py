@@ -310,7 +310,9 @@ def _layout(formats: Formats) -> _Layout:
     )
 
 
-def draw_fast(words: np.ndarray, formats: Formats, stall_period: int = 0) -> EmittedPixels:
+def draw_fast(
+    words: np.ndarray, formats: Formats, stall_period: int = 0, stages_behind: int = 0
+) -> EmittedPixels:
     """
     Draw a stream of set-up words, and predict the clocks.
 
@@ -321,6 +323,8 @@ def draw_fast(words: np.ndarray, formats: Formats, stall_period: int = 0) -> Emi
     formats : Formats
     stall_period : int
       The sink is not ready in every n-th clock; 0: always ready.
+    stages_behind : int
+      Stages of a pipeline behind the core, which ends in a skid buffer; 0: the sink takes the core's pixels.
 
     Returns
     -------
@@ -355,5 +359,6 @@ def draw_fast(words: np.ndarray, formats: Formats, stall_period: int = 0) -> Emi
         table, planes, first_rows, start, pixels, carries, (1 << formats.coord_bits) - 1, formats.word_width,
         layout.frac_bits, layout.limits,
     )  # fmt: skip
-    clocks = count_clocks(np.diff(starts) // formats.stream_lanes, first_rows, pixels, formats, stall_period)
+    beats = np.diff(starts) // formats.stream_lanes
+    clocks = count_clocks(beats, first_rows, pixels, formats, stall_period, stages_behind)
     return EmittedPixels(packet_of, x, y, value, clocks, len(table))

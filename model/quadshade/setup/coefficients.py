@@ -12,7 +12,7 @@ doubled area, no special cases. A lattice point (m, N) lies m rows and N columns
     dd_row = B(p, p)       dd_mixed = B(p, q)              dd_col = B(q, q)
 
 and the hardware's sum ``value + m d_row + C(m, 2) dd_row + N d_col + m N dd_mixed + C(N + 1, 2) dd_col`` is P
-again, ``value`` taken half an output unit higher, so that dropping the fraction rounds.
+again, ``value`` taken half a unit of what the lane emits higher, so that dropping the fraction rounds.
 
 Every word is computed in float64 with a bound of its own error; where that is not small, in integers
 (:func:`exact_words`).
@@ -106,11 +106,13 @@ def float_words(samples, order, ratios, scale, half, rows, columns, words, error
     errors[:] = 0.0
     unit = ROUNDINGS * UNIT_ROUNDOFF * scale
     i1 = samples[0]
+    s1 = abs(i1)
     if order == CONSTANT:
         words[0] = (i1 + half) * scale
-        errors[0] = unit * (abs(i1) + half)
+        errors[0] = unit * (s1 + half)
         return
     i2, i3 = samples[1], samples[2]
+    s2, s3 = abs(i2), abs(i3)
     u0, v0, pu, pv, qu, qv = ratios
     au0, av0, apu, apv, aqu, aqv = abs(u0), abs(v0), abs(pu), abs(pv), abs(qu), abs(qv)
     if order == QUADRATIC:
@@ -118,14 +120,15 @@ def float_words(samples, order, ratios, scale, half, rows, columns, words, error
         a = 2.0 * (i1 + i2 - 2.0 * i12)
         b = 2.0 * (i1 + i3 - 2.0 * i13)
         c = 4.0 * (i1 + i23 - i13 - i12)
-        # Sums of magnitudes; samples are not negative.
-        aa, ab, ac = 2.0 * (i1 + i2 + 2.0 * i12), 2.0 * (i1 + i3 + 2.0 * i13), 4.0 * (i1 + i23 + i13 + i12)
+        # Sums of magnitudes.
+        s12, s13, s23 = abs(i12), abs(i13), abs(i23)
+        aa, ab, ac = 2.0 * (s1 + s2 + 2.0 * s12), 2.0 * (s1 + s3 + 2.0 * s13), 4.0 * (s1 + s23 + s13 + s12)
     else:
         a = b = c = aa = ab = ac = 0.0
     d, e = i2 - i1 - a, i3 - i1 - b
-    ad, ae = i2 + i1 + aa, i3 + i1 + ab
+    ad, ae = s2 + s1 + aa, s3 + s1 + ab
     words[0] = ((a * u0 + c * v0 + d) * u0 + (b * v0 + e) * v0 + i1 + half) * scale
-    errors[0] = ((aa * au0 + ac * av0 + ad) * au0 + (ab * av0 + ae) * av0 + i1 + half) * unit
+    errors[0] = ((aa * au0 + ac * av0 + ad) * au0 + (ab * av0 + ae) * av0 + s1 + half) * unit
     gu, gv = 2.0 * a * u0 + c * v0 + d, 2.0 * b * v0 + c * u0 + e
     agu, agv = 2.0 * aa * au0 + ac * av0 + ad, 2.0 * ab * av0 + ac * au0 + ae
     if rows:
@@ -146,7 +149,13 @@ def float_words(samples, order, ratios, scale, half, rows, columns, words, error
 
 
 def exact_words(
-    samples: np.ndarray, order: int, frame: np.ndarray, frac_bits: int, rows: bool, columns: bool
+    samples: np.ndarray,
+    order: int,
+    frame: np.ndarray,
+    frac_bits: int,
+    rows: bool,
+    columns: bool,
+    guard_bits: int = 0,
 ) -> tuple[np.ndarray, list[int]]:
     """
     The six planes in integers of any size: floor, fraction, for primitives beyond float64's reach.
@@ -160,6 +169,8 @@ def exact_words(
     frac_bits : int
     rows, columns : bool
       As for :func:`float_words`.
+    guard_bits : int
+      The value is taken half of 2**-guard_bits higher.
 
     Returns
     -------
@@ -184,7 +195,7 @@ def exact_words(
     pp, pq, qq = form(pu, pv, pu, pv), form(pu, pv, qu, qv), form(qu, qv, qu, qv)
     here = a * u0 * u0 + b * v0 * v0 + c * u0 * v0 + (d * u0 + e * v0) * den0 + i1 * den0 * den0
     ratios = [
-        (2 * here + unit * den0 * den0, 2 * den0 * den0),
+        ((here << (guard_bits + 1)) + unit * den0 * den0, (den0 * den0) << (guard_bits + 1)),
         (2 * (gu * pu + gv * pv) * denp + pp * den0, 2 * den0 * denp * denp) if rows else (0, 1),
         (2 * (gu * qu + gv * qv) * denq - qq * den0, 2 * den0 * denq * denq) if columns else (0, 1),
         (pp, denp * denp) if rows else (0, 1),

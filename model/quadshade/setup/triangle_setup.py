@@ -24,6 +24,7 @@ from quadshade.setup.edges import (
     cut_triangles,
 )
 from quadshade.setup.packet import Primitives
+from quadshade.setup.shade_state import specular_gain
 from quadshade.setup.terms import fit_terms
 from quadshade.setup.words import Colours, colour_words, words_by_terms
 from quadshade.triangles import ScreenTriangles
@@ -36,12 +37,12 @@ UNDEFINED = 4.0 / 3.0
 
 
 @njit(cache=True)
-def _first_bad_sample(samples, orders, tops):
-    """Triangle and channel of the first sample that is used and outside 0 .. top (NaN is), or -1, -1."""
+def _first_bad_sample(samples, orders, lows, tops):
+    """Triangle and channel of the first sample that is used and outside low .. top (NaN is), or -1, -1."""
     for index in range(len(samples)):
         for channel in range(len(tops)):
             for place in range(PLANES_OF_ORDER[orders[index, channel]]):
-                if not 0.0 <= samples[index, channel, place] <= tops[channel]:
+                if not lows[channel] <= samples[index, channel, place] <= tops[channel]:
                     return index, channel
     return -1, -1
 
@@ -95,13 +96,18 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
                 "raise generic max_order or lower the order",
             )
     tops = np.array([(1 << bits) - 1 for bits in formats.channel_value_bits])
-    index, channel = _first_bad_sample(samples, orders, tops)
+    # A cosine may be negative; the lane's clamp makes that zero.
+    lows = np.where(np.arange(len(tops)) < channels, -tops * formats.with_shade, 0)
+    index, channel = _first_bad_sample(samples, orders, lows, tops)
     if index >= 0:
         raise QuadshadeError(
-            f"triangle {index}: channel {names[channel]} has a sample outside 0 .. {tops[channel]}:"
+            f"triangle {index}: channel {names[channel]} has a sample outside"
+            f" {lows[channel]} .. {tops[channel]}:"
             f" {samples[index, channel, : PLANES_OF_ORDER[orders[index, channel]]].tolist()}",
             "clamp the samples",
         )
+    if guard_bits(triangles, formats):
+        samples[:, channels - formats.num_specular : channels] *= specular_gain(formats)
     return samples, orders
 
 
@@ -162,6 +168,11 @@ def _refuse_beyond(limit: float, cut: Cut, bounds: np.ndarray, names: tuple[str,
         )
 
 
+def guard_bits(triangles: ScreenTriangles, formats: Formats) -> int:
+    """Bits below an output unit at which colour lanes round: with shade those that its state says."""
+    return triangles.shade.guard_bits if formats.with_shade and triangles.shade is not None else 0
+
+
 def setup_triangles(
     triangles: ScreenTriangles,
     formats: Formats,
@@ -214,7 +225,8 @@ def setup_triangles(
     samples, orders = _checked_channels(triangles, formats)
     vertices = np.ascontiguousarray(triangles.vertices, dtype=np.int64)
     terms = fit_terms(method, vertices, samples, formats.subpixel_bits)
-    colours = Colours(vertices, samples, orders, formats, fractional, rounding == "joint", terms)
+    guard = guard_bits(triangles, formats)
+    colours = Colours(vertices, samples, orders, formats, fractional, rounding == "joint", terms, guard)
     cut = cut_triangles(vertices, triangles.width, triangles.height, formats.subpixel_bits)
     words, bounds = colour_words(cut, colours)
     if limit is not None and not (strict or fractional):

@@ -48,6 +48,8 @@ class Colours:
       How words are rounded.
     terms : Terms or None
       Coefficients by another method than the set-up's own, for quadratic channels.
+    guard_bits : int
+      Bits below an output unit at which colour lanes round.
     """
 
     vertices: np.ndarray
@@ -57,6 +59,17 @@ class Colours:
     fractional: bool
     joint: bool
     terms: Terms | None = None
+    guard_bits: int = 0
+
+    @property
+    def guards(self) -> tuple[int, ...]:
+        """Bits below an output unit at which each channel's lane rounds; depth has none."""
+        return (self.guard_bits,) * self.formats.num_channels + (0,) * self.formats.with_depth
+
+    @property
+    def halves(self) -> np.ndarray:
+        """(c,) float64: half a unit of what each channel's lane emits, in output units."""
+        return 0.5 ** (1.0 + np.array(self.guards))
 
 
 @njit(cache=True)
@@ -67,8 +80,9 @@ def _wrap(value, half):
 
 @njit(cache=True, error_model="numpy")
 def _colour(
-    heads, edges, vertices, samples, orders, scales, pixel, fractional, joint, half, words, bounds, again
-):
+    heads, edges, vertices, samples, orders, scales, halves, pixel, fractional, joint, half, words, bounds,
+    again,
+):  # fmt: skip
     """Words and bounds of all primitives; ``again`` marks those for which float64 is not good enough."""
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
     fit = np.zeros(FIT_FIELDS)
@@ -85,7 +99,7 @@ def _colour(
         for channel in range(len(scales)):
             scale, order = scales[channel], orders[triangle, channel]
             sample = samples[triangle, channel]
-            float_words(sample, order, ratios, scale, 0.5, rows > 0, columns >= 1, real, errors)
+            float_words(sample, order, ratios, scale, halves[channel], rows > 0, columns >= 1, real, errors)
             largest = 0.0
             for plane in range(6):
                 largest = max(largest, abs(real[plane]))
@@ -132,7 +146,13 @@ def colour_exactly(
         for channel in np.flatnonzero(again[p]):
             order = colours.orders[triangle, channel]
             fraction, whole = exact_words(
-                colours.samples[triangle, channel], order, frame, frac_bits[channel], rows > 0, columns >= 1
+                colours.samples[triangle, channel],
+                order,
+                frame,
+                frac_bits[channel],
+                rows > 0,
+                columns >= 1,
+                colours.guards[channel],
             )
             bound = round_words(fraction, order, corners, corners_used, fit, colours.joint, off)
             bound += carried_error(rows, columns, errors)
@@ -145,8 +165,8 @@ def colour_exactly(
 
 @njit(cache=True, error_model="numpy")
 def _colour_by_terms(
-    heads, edges, vertices, origins, terms, samples, orders, scales, pixel, fractional, joint, half, words,
-    bounds, undefined,
+    heads, edges, vertices, origins, terms, samples, orders, scales, halves, pixel, fractional, joint, half,
+    words, bounds, undefined,
 ):  # fmt: skip
     """
     Words of quadratic channels from coefficients T0 to T5; what they are off the set-up's own goes into the
@@ -171,8 +191,9 @@ def _colour_by_terms(
             if order != QUADRATIC:
                 continue
             sample = samples[triangle, channel]
-            float_words(sample, order, ratios, scale, 0.5, rows > 0, columns >= 1, true, errors)
-            term_words(terms[triangle, channel], steps, scale, 0.5, rows > 0, columns >= 1, real)
+            above = halves[channel]
+            float_words(sample, order, ratios, scale, above, rows > 0, columns >= 1, true, errors)
+            term_words(terms[triangle, channel], steps, scale, above, rows > 0, columns >= 1, real)
             fits = True
             for plane in range(6):
                 fits = fits and abs(real[plane]) < FLOAT_LIMIT
@@ -213,6 +234,7 @@ def colour_words(cut: Cut, colours: Colours) -> tuple[np.ndarray, np.ndarray]:
         colours.samples,
         colours.orders,
         2.0 ** np.array(formats.channel_frac_bits),
+        colours.halves,
         1 << formats.subpixel_bits,
         colours.fractional,
         colours.joint,
@@ -254,6 +276,7 @@ def words_by_terms(cut: Cut, colours: Colours, words: np.ndarray, bounds: np.nda
         colours.samples,
         colours.orders,
         2.0 ** np.array(formats.channel_frac_bits),
+        colours.halves,
         1 << formats.subpixel_bits,
         colours.fractional,
         colours.joint,

@@ -12,18 +12,28 @@ from quadshade.shading.lights import (
 )
 from quadshade.shading.material import Material, load_reflectance, parse_material
 from quadshade.shading.sample import SHADING_ORDERS, sample
+from quadshade.shading.specular import (
+    SPECULAR_ORDERS,
+    UnsuitedError,
+    sample_specular,
+    specular_formats,
+)
 
 __all__ = [
     "DEFAULT_LIGHTS",
     "SHADING_ORDERS",
+    "SPECULAR_ORDERS",
     "AmbientLight",
     "DirectionalLight",
     "Light",
     "Material",
     "PointLight",
+    "UnsuitedError",
     "default_lights",
     "load_reflectance",
     "parse_light",
     "parse_material",
     "sample",
+    "sample_specular",
+    "specular_formats",
 ]

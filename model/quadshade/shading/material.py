@@ -115,12 +115,26 @@ class Material:
             total += specular[:, None] * (colour * np.asarray(self.specular))
         return total
 
+    def specular_cosine(self, facing: np.ndarray, toward: np.ndarray, between: np.ndarray) -> np.ndarray:
+        """
+        What is raised to the exponent: N.H (Blinn), or R.V (Phong).
+
+        Parameters
+        ----------
+        facing, toward, between : (m,) or () float
+          Cosines normal-light, normal-viewer and light-viewer.
+
+        Returns
+        -------
+        (m,) float64
+        """
+        if self.model == "phong":
+            return 2 * facing * toward - between
+        return (facing + toward) / np.sqrt(np.maximum(2 + 2 * between, 1e-30))
+
     def _specular(self, facing: np.ndarray, toward: np.ndarray, between: np.ndarray) -> np.ndarray:
         """(m,) specular term from the cosines normal-light, normal-viewer and light-viewer."""
-        if self.model == "phong":
-            cosine = 2 * facing * toward - between
-        else:
-            cosine = (facing + toward) / np.sqrt(np.maximum(2 + 2 * between, 1e-30))
+        cosine = self.specular_cosine(facing, toward, between)
         lit = np.flatnonzero((facing > 0) & (cosine > 0))
         out = np.zeros(len(facing))
         out[lit] = np.minimum(cosine[lit], 1.0) ** self.exponent

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -87,6 +88,17 @@ def sample(
     )
 
 
+def widened(triangles: ScreenTriangles, channels: int) -> ScreenTriangles:
+    """The same triangles with channels of constant 0 behind theirs, for a core that has more of them."""
+    more = channels - len(triangles.channels)
+    return replace(
+        triangles,
+        samples=np.pad(triangles.samples, ((0, 0), (0, more), (0, 0))),
+        orders=np.pad(triangles.orders, ((0, 0), (0, more)), constant_values=CONSTANT),
+        channels=(*triangles.channels, *(f"unused{index}" for index in range(more))),
+    )
+
+
 def full_scale(light: np.ndarray, formats: Formats) -> np.ndarray:
     """Intensities of 0 .. 1 in output units, clamped to what the output holds."""
     return np.clip(light, 0, 1) * (2.0**formats.value_bits - 1)
@@ -119,6 +131,31 @@ def reflected(
     (m, k, 3) float64
       1 is full intensity; not clamped.
     """
+    point, normal, base, to_viewer = surface(projected, triangle, barycentric, normal)
+    light = material.reflect(lights, point, normal, to_viewer, base)
+    return light.reshape(len(triangle), -1, len(CHANNELS))
+
+
+def surface(
+    projected: Projected, triangle: np.ndarray, barycentric: np.ndarray, normal: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray]:
+    """
+    The surface at points of triangles, interpolated with perspective.
+
+    Parameters
+    ----------
+    projected, triangle, barycentric, normal
+      As for :func:`reflected`.
+
+    Returns
+    -------
+    point, normal : (m * k, 3) float64
+      In the scene; the normals are unit length.
+    base : (m * k, 3) float64 or None
+      The mesh's own colours.
+    to_viewer : (3,) or (m * k, 3) float64
+      Unit length.
+    """
     places = np.broadcast_to(barycentric, (len(triangle), *barycentric.shape[-2:]))
     share = _shares(places, projected.weight, triangle)
 
@@ -129,7 +166,7 @@ def reflected(
     normal = unit(at_points(projected.normal)) if normal is None else normal.reshape(-1, 3)
     base = None if projected.colour is None else at_points(projected.colour)
     to_viewer = projected.axes[2] if projected.eye is None else unit(projected.eye - point)
-    return material.reflect(lights, point, normal, to_viewer, base).reshape(share.shape)
+    return point, normal, base, to_viewer
 
 
 def middle_normals(corners: np.ndarray) -> np.ndarray:

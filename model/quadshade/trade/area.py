@@ -37,7 +37,7 @@ def no_tools(device: str = DEVICE) -> str:
     find_device(device)
     try:
         tool_version(YOSYS)
-        write_netlist(Formats().generics())
+        write_netlist(Formats().core_generics())
     except QuadshadeError as problem:
         return str(problem)
     except OSError as problem:
@@ -66,7 +66,7 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
       A tool is missing or fails.
     """
     root = repository_root()
-    netlist = write_netlist(formats.generics())
+    netlist = write_netlist(formats.core_generics())
     verilog = netlist.read_text()
     commands = [f"read_verilog {netlist.name}", f"hierarchy -check -top {TOP}", *CHECKED]
     commands += [*mapping_commands(find_device(device), TOP), f"tee -q -o {STAT} stat -json -top {TOP}"]

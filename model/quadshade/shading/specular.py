@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Diffuse and specular cosines at six points of every triangle, for the power that the hardware takes per pixel.
+
+Barrera, Hast and Bengtsson interpolate N.L and N.H apart and raise the second to the exponent at every pixel.
+A light has one channel of each; where N.L is not positive its specular channel counts nothing, as in Phong's
+function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from quadshade.errors import QuadshadeError
+from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
+from quadshade.scene.project import Projected
+from quadshade.setup.shade_state import COEFFICIENT_LIMIT, power_curve, shade_state
+from quadshade.shading.lights import AmbientLight, Light, default_lights
+from quadshade.shading.material import Material, dot
+from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
+from quadshade.triangles import ScreenTriangles
+
+SPECULAR_ORDERS = {"linear-specular": LINEAR, "quadratic-specular": QUADRATIC}
+MAX_CHANNELS = 8
+EXPONENTS = (1, 1024)
+
+
+class UnsuitedError(QuadshadeError):
+    """A scene that the shade unit cannot draw: its colours have to be interpolated instead."""
+
+
+def specular_lights(projected: Projected, lights: Sequence[Light], material: Material) -> list[Light]:
+    """
+    The lights that need a pair of channels each.
+
+    Raises
+    ------
+    UnsuitedError
+      A surface or lights that two cosines for each light do not describe.
+    """
+    if material.reflectance is not None:
+        raise UnsuitedError("the reflectance is the user's own")
+    if projected.colour is not None:
+        raise UnsuitedError("the mesh has colours of its own")
+    if not EXPONENTS[0] <= material.exponent <= EXPONENTS[1]:
+        raise UnsuitedError(f"the exponent {material.exponent:g} is not in {EXPONENTS[0]} .. {EXPONENTS[1]}")
+    pointed = [light for light in lights if not isinstance(light, AmbientLight)]
+    if not pointed:
+        raise UnsuitedError("all light is ambient")
+    if 2 * len(pointed) > MAX_CHANNELS:
+        raise UnsuitedError(f"{len(pointed)} lights need {2 * len(pointed)} channels of {MAX_CHANNELS}")
+    return pointed
+
+
+def specular_formats(
+    generics: dict[str, int],
+    projected: Projected,
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+) -> Formats:
+    """
+    Formats with a shade unit, and a diffuse and a specular channel for each light.
+
+    Parameters
+    ----------
+    generics : dict of str to int
+      Generics that the user has set; they win.
+    projected : Projected
+    lights : sequence of lights, optional
+      By default those that go with the viewer.
+    material : Material, optional
+
+    Returns
+    -------
+    Formats
+
+    Raises
+    ------
+    UnsuitedError
+      A scene for which it takes colour channels.
+    QuadshadeError
+      A wrong generic.
+    """
+    material = Material() if material is None else material
+    lights = default_lights(projected.axes) if lights is None else lights
+    count = len(specular_lights(projected, lights, material))
+    fitted = {"with_shade": 1, "num_channels": 2 * count, "num_specular": count}
+    formats = Formats().with_generics(fitted | generics)
+    if not formats.with_shade:
+        raise UnsuitedError("generic with_shade is 0")
+    if formats.num_specular < count or formats.num_channels - formats.num_specular < count:
+        raise UnsuitedError(
+            f"{count} lights need as many diffuse and specular channels; of {formats.num_channels} channels"
+            f" {formats.num_specular} are specular"
+        )
+    return formats
+
+
+def sample_specular(
+    projected: Projected,
+    shading: str = "quadratic-specular",
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+    formats: Formats | None = None,
+    x_shading: bool = False,
+) -> ScreenTriangles:
+    """
+    Take the diffuse and the specular cosine of each light at the points that a triangle's order needs.
+
+    Parameters
+    ----------
+    projected : Projected
+    shading : str
+      ``linear-specular`` (the vertices) or ``quadratic-specular`` (vertices and middles of the edges).
+    lights : sequence of lights, optional
+      By default those that go with the viewer.
+    material : Material, optional
+    formats : Formats, optional
+      With shade; by default those of :func:`specular_formats`.
+    x_shading : bool
+      Middles of edges take their normals from :func:`quadshade.shading.sample.middle_normals`.
+
+    Returns
+    -------
+    ScreenTriangles
+      Channels d0 .. and s0 .., full scale for a cosine of 1, negative ones too; its ``shade`` holds colours
+      and power tables. A light that falls off scales d by its intensity a over the largest one, s by the
+      exponent's root of that, so that the power has it as a factor.
+
+    Raises
+    ------
+    UnsuitedError
+      A scene for which it takes colour channels.
+    """
+    if shading not in SPECULAR_ORDERS:
+        raise QuadshadeError(f"the shading is {shading!r}", f"give one of {', '.join(SPECULAR_ORDERS)}")
+    order = SPECULAR_ORDERS[shading]
+    material = Material() if material is None else material
+    lights = default_lights(projected.axes) if lights is None else lights
+    formats = specular_formats({}, projected, lights, material) if formats is None else formats
+    pointed = specular_lights(projected, lights, material)
+    points = SAMPLE_POINTS[: 3 if order == LINEAR else 6]
+    diffuse, specular, strength = _cosines(
+        projected, pointed, material, points, x_shading and order == QUADRATIC
+    )
+    first_specular = formats.num_channels - formats.num_specular
+    coefficients = np.zeros((formats.num_channels, SHADED_COLOURS))
+    samples = np.zeros((len(projected), formats.num_channels, len(SAMPLE_POINTS)))
+    orders = np.full((len(projected), formats.num_channels), CONSTANT, dtype=np.int64)
+    top = (1 << formats.value_bits) - 1
+    for index, light in enumerate(pointed):
+        colour = np.asarray(light.colour) * strength[index]
+        for channel, cosine, reflected in (
+            (index, diffuse[index], np.asarray(material.diffuse) * material.colour),
+            (first_specular + index, specular[index], np.asarray(material.specular)),
+        ):
+            coefficients[channel] = colour * reflected
+            samples[:, channel, : len(points)] = cosine * top
+            orders[:, channel] = order
+    if coefficients.max() >= COEFFICIENT_LIMIT:
+        raise UnsuitedError(f"a light reflects {coefficients.max():.3g}, not less than {COEFFICIENT_LIMIT}")
+    ambient = sum(
+        (np.asarray(light.colour) for light in lights if isinstance(light, AmbientLight)), np.zeros(3)
+    ) * (np.asarray(material.ambient) * material.colour)
+    names = [f"d{index}" for index in range(first_specular)]
+    return ScreenTriangles(
+        projected.width,
+        projected.height,
+        projected.vertices,
+        samples,
+        orders,
+        projected.depth if formats.with_depth else None,
+        (*names, *(f"s{index}" for index in range(formats.num_specular))),
+        shade_state(
+            formats,
+            ambient,
+            coefficients,
+            [power_curve(material.exponent)] * formats.num_specular,
+            gated=(1 << len(pointed)) - 1,
+        ),
+    )
+
+
+def _cosines(
+    projected: Projected, lights: list[Light], material: Material, points: np.ndarray, x_shading: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(lights, n, points) diffuse and specular cosines with the light's fall, and (lights,) strengths."""
+    shape = (len(lights), len(projected), len(points))
+    diffuse, specular, intensity = np.empty(shape), np.empty(shape), np.empty(shape)
+    everything = np.arange(len(projected))
+    for start in range(0, len(projected), CHUNK):
+        rows = slice(start, start + CHUNK)
+        middle = middle_normals(projected.normal[rows]) if x_shading else None
+        point, normal, _, to_viewer = surface(projected, everything[rows], points, middle)
+        toward = dot(normal, to_viewer)
+        for index, light in enumerate(lights):
+            to_light, arriving = light.reach(point)
+            facing = dot(normal, to_light)
+            cosine = material.specular_cosine(facing, toward, dot(to_light, to_viewer))
+            part = diffuse[index, rows].shape
+            diffuse[index, rows] = facing.reshape(part)
+            specular[index, rows] = cosine.reshape(part)
+            intensity[index, rows] = np.broadcast_to(arriving, facing.shape).reshape(part)
+    strength = intensity.max(axis=(1, 2), initial=np.finfo(np.float64).tiny)
+    share = intensity / strength[:, None, None]
+    # Interpolated normals are unit length up to rounding.
+    diffuse, specular = np.clip(diffuse, -1, 1) * share, np.clip(specular, -1, 1)
+    return diffuse, specular * share ** (1 / material.exponent), strength
