@@ -144,6 +144,10 @@ limits: setup ## the core beside a lone accumulator on every device of the table
 	@JOBS=$(JOBS) $(VENV) scripts/synth.py limits --seeds $(SEEDS)
 	@$(VENV) scripts/synth.py readme
 
+.PHONY: screen
+screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
+	@JOBS=$(JOBS) $(VENV) scripts/screen.py --seeds $(SEEDS)
+
 .PHONY: synth-check
 synth-check: setup ## measure the table synth/resources.json again and compare (slow)
 	@JOBS=$(JOBS) $(VENV) scripts/synth.py check

@@ -122,7 +122,7 @@ module edge_map_properties #(
   wire [address_bits - 1:0] from_3 = ours_2 ? previous(\dut.address_2 , \dut.columns ) : from_2;
 
   always @* begin
-    // The claim: what was read is the last scanline and the one before, and the step knows how many there are.
+    // The claim: what was read is the last scanline and the one before, and the step knows how many.
     if (at_3) assert (holds(\dut.read_data , had_3, last_3, before_3));
     if (at_3) assert (\dut.step_3 [4] == (had_3 != 0) && \dut.step_3 [5] == (had_3 == 1));
 
