@@ -147,3 +147,13 @@ def test_render_says_when_it_interpolates_colours(tmp_path) -> None:
     few = render(*scene, "--generic", "num_channels=2", "--generic", "with_shade=1", "-o", tmp_path / "d.png",
                  "--shading", "linear-specular")  # fmt: skip
     assert few.exit_code == 2 and "generic num_channels is 2; a picture needs 3" in few.stderr
+
+
+def test_the_model_is_the_default_and_other_engines_say_why(tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv("QUADSHADE_ENGINE")
+    scene = ("sphere:168", "--size", "32x32", "--shading", "quadratic-specular", "-o", tmp_path / "a.png")
+    assert render(*scene).exit_code == 0
+    for engine in ("ghdl", "verilator"):
+        refused = render(*scene, "--engine", engine)
+        assert refused.exit_code == 2
+        assert f"the engine {engine} has no shade unit yet; use --engine model" in refused.stderr

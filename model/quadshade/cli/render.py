@@ -142,9 +142,11 @@ def render(
         if not scene.startswith(("sphere:", "torus:")):
             import trimesh  # noqa: F401 - what reads it takes it from there
 
-    # Phong shading is the host's own work: of the engine it needs coverage and depth only.
-    engine = engine or ("model" if shading == "phong" else default_engine())
     formats = Formats().with_generics(parse_generics(generics))
+    # Phong shading is the host's own work: of the engine it needs coverage and depth only.
+    # The shade unit is in the golden model only.
+    modelled = shading == "phong" or shading in SPECULAR_ORDERS or formats.with_shade
+    engine = engine or ("model" if modelled else default_engine())
     width, height = _parse_size(size)
     check_size(width, height, formats)
     _check_choices(output, shading if adapt_choice is None else "flat", formats)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rasteriser core and shade unit: what ``rtl/render_core.vhd`` emits, plain, and fast in numba."""
+"""Rasteriser core with the shade unit behind it, plain, and fast in numba; no VHDL of the unit yet."""
 
 from __future__ import annotations
 
