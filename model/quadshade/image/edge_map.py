@@ -8,7 +8,7 @@ import numpy as np
 from quadshade.golden.edge_map import EIGHT, shifted
 
 EDGE_ERROR = 0.53
-"""Bound of the golden model's error in 255ths: half a step of rounding, constants and cut-off products."""
+"""Bound of the golden model's error in 255ths: half a step of rounding, constants, cut products."""
 
 
 def edge_intensity(normal: np.ndarray, depth: np.ndarray, variant: int) -> tuple[np.ndarray, np.ndarray]:
