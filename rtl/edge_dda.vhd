@@ -9,7 +9,7 @@
 --
 -- Model: edge_dda.py.  Test: test_edge_dda.py.
 -- Latency: 1 cycle to carry, 2 to column.  One scanline per cycle.
--- Two forms lost: one adder behind a multiplexer of its second operand (46 LUTs less), and two adders before
+-- Two forms lost: one adder behind a multiplexer of its second operand (fewer LUTs), and two adders before
 -- a multiplexer of both sums and the load, which set the clock of the whole core.
 
 library ieee;
