@@ -21,13 +21,13 @@ def good_payload(draw: random.Random, opcode: Opcode, most_words: int = MOST_WOR
     if opcode is Opcode.STATE:
         return pack_payload(opcode, {"address": word}, tail)
     if opcode is Opcode.READ:
-        place = {name: draw.getrandbits(16) for name in ("x", "y", "width")}
+        place = {name: draw.getrandbits(16) for name in ("x", "y", "width", "pixels")}
         return pack_payload(opcode, {**place, "count": draw.randint(1, 20), "plane": draw.randint(0, 1)})
-    values = {
+    values: dict[Opcode, dict[str, int]] = {
         Opcode.CLEAR: {"colour": word},
         Opcode.RESET: {"session": word},
         Opcode.BAUD: {"phase_step": draw.randint(1, 1 << 22)},
-        Opcode.FRAME_CRC: {"plane": word & 1},
+        Opcode.FRAME_CRC: {"reserved": word >> 16, "plane": word & 1},
     }
     return pack_payload(opcode, values.get(opcode, {}))
 
@@ -50,7 +50,7 @@ def wrong_body(draw: random.Random, expected: int) -> bytes:
     if kind == "answer":
         return body_of(draw.choice((0x80, 0xC0, 0x92)), expected, payload)
     if kind == "fields":
-        count, plane = draw.choice(((0, 0), (MAX_READ + 1, 0), (65535, 1), (5, 2), (5, 1 << 31)))
+        count, plane = draw.choice(((0, 0), (MAX_READ + 1, 0), (65535, 1), (5, 2 << 16), (5, 1 << 31)))
         return body_of(
             Opcode.READ, expected, bytes(6) + count.to_bytes(2, "little") + plane.to_bytes(4, "little")
         )

@@ -78,7 +78,9 @@ class Effects:
         self.done.append(("clear", colour))
 
     def read(self, **fields: int) -> bytes:
-        self.done.append(("read", *(fields[name] for name in ("x", "y", "width", "count", "plane"))))
+        self.done.append(
+            ("read", *(fields[name] for name in ("x", "y", "width", "count", "pixels", "plane")))
+        )
         return pattern(**fields)
 
     def frame_crc(self, plane: int) -> int:
@@ -160,7 +162,7 @@ class Board:
             effects.clear(int(dut.clear_colour.value))
             self.busy = 20
         elif dut.read_valid.value and ready["read"]:
-            names = ("x", "y", "width", "count", "plane")
+            names = ("x", "y", "width", "count", "pixels", "plane")
             self.reading = effects.read(**{name: int(getattr(dut, f"read_{name}").value) for name in names})
         elif dut.frame_crc_valid.value and ready["frame_crc"]:
             self.crc = effects.frame_crc(int(dut.frame_crc_plane.value))

@@ -21,7 +21,7 @@ PORTS = {
     "setup": ("data",),
     "state": ("address", "data"),
     "clear": ("colour",),
-    "read": ("x", "y", "width", "count", "plane"),
+    "read": ("x", "y", "width", "count", "pixels", "plane"),
     "frame_crc": ("plane",),
 }
 
@@ -84,7 +84,7 @@ async def commands(dut: Any, source: str, sink: str) -> None:
     )
     speeds = {name: SPEEDS[sink](draw) for name in PORTS}
     busy, crc_in, crc, got, answered, was_idle = 0, 0, 0, [], [], True
-    while (not going.empty or len(answered) < len(results)) and bench.cycle < 20000:
+    while (len(got) < len(recorder.done) or len(answered) < len(results)) and bench.cycle < 20000:
         going.drive()
         ready = {name: next(go) for name, go in speeds.items()}
         for name, value in ready.items():
@@ -116,6 +116,8 @@ async def commands(dut: Any, source: str, sink: str) -> None:
         was_idle = idle
     for _ in range(10):
         await bench.edge()
+        valid = [name for name in PORTS if getattr(dut, f"{name}_valid").value]
+        bench.check("nothing more is asked for", valid, [])
     bench.check_all("request", got, recorder.done)
     bench.check_all("result", answered, results)
     bench.check("all was taken", going.empty, True)

@@ -84,6 +84,8 @@ entity command_decoder is
     read_width : out u_unsigned(15 downto 0);
     -- Bytes that are taken from read_data.
     read_count : out u_unsigned(15 downto 0);
+    -- The pixels that these are.
+    read_pixels : out u_unsigned(15 downto 0);
     read_plane : out std_ulogic;
     read_data_valid : in std_ulogic;
     read_data_ready : out std_ulogic;
@@ -219,7 +221,8 @@ begin
       state_data => state_data,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
-      read_width => read_width, read_count => count_read, read_plane => read_plane,
+      read_width => read_width, read_count => count_read, read_pixels => read_pixels,
+      read_plane => read_plane,
       frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
       frame_crc_plane => frame_crc_plane, frame_crc_done => frame_crc_done,
       frame_crc_value => frame_crc_value,

@@ -43,6 +43,7 @@ entity command_executor is
     read_width : out u_unsigned(15 downto 0);
     -- Bytes that are taken from read_data.
     read_count : out u_unsigned(15 downto 0);
+    read_pixels : out u_unsigned(15 downto 0);
     read_plane : out std_ulogic;
 
     frame_crc_valid : out std_ulogic;
@@ -94,9 +95,10 @@ begin
   read_y <= unsigned(word_2(31 downto 16));
   read_width <= unsigned(word_1(15 downto 0));
   read_count <= unsigned(word_1(31 downto 16));
-  read_plane <= word_0(0);
+  read_pixels <= unsigned(word_0(15 downto 0));
+  read_plane <= word_0(16);
   frame_crc_valid <= '1' when place = dispatch and code = opcode_frame_crc else '0';
-  frame_crc_plane <= word_0(0);
+  frame_crc_plane <= word_0(16);
   due <= '1' when place = answer and (code = opcode_read or crc_known = '1') else '0';
   result_due <= due;
 

@@ -180,7 +180,7 @@ begin
       if code = opcode_read and (bytes_asked = 0 or bytes_asked > max_read) then
         bad_field := '1';
       end if;
-      if (code = opcode_read or code = opcode_frame_crc) and unsigned(last_word) > 1 then
+      if (code = opcode_read or code = opcode_frame_crc) and unsigned(last_word(31 downto 16)) > 1 then
         bad_field := '1';
       end if;
       -- A rate of at most a bit in four clocks, and of more than none.

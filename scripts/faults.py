@@ -4,7 +4,8 @@
 Inject faults into the link's frames and count what is accepted; writes docs/reports/faults.md and .json.
 
 Random frames of all lengths go through a damaged line into the parser. A frame that comes out and was not
-sent, or comes out of its order, is wrong: exit code 1 if there is one.
+sent, or comes out of its order, is wrong. Then sessions send set-up words to a model of the board, faults both
+ways: words that are missing, doubled or exchanged are wrong. Exit code 1 if anything is.
 """
 
 from __future__ import annotations
@@ -17,14 +18,20 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import click
+import numpy as np
 
+from quadshade.link.board_model import BoardModel
 from quadshade.link.faults import FaultInjector
 from quadshade.link.frames import Frame, FrameParser
-from quadshade.link.protocol import MAX_PAYLOAD, WORD_BYTES, Opcode
+from quadshade.link.protocol import MAX_PAYLOAD, WORD_BYTES, LinkError, Opcode
+from quadshade.link.session import Session
+from quadshade.link.transport import FaultyTransport, MemoryTransport
 
 REPORT = Path(__file__).resolve().parents[1] / "docs" / "reports" / "faults.md"
 RATES = {1e-4: 1, 1e-3: 10, 1e-2: 40}
 """Faults a byte, and what share of the faults: a low rate needs many bytes for each."""
+SESSION_SHARES = {1e-5: 200_000, 1e-4: 20_000, 1e-3: 500, 1e-2: 100}
+"""Faults a byte of the sessions, and which part of the faults."""
 BATCH = 64
 
 
@@ -99,6 +106,88 @@ def codec_run(rate: float, at_least: int, seed: int) -> CodecRun:
     return run
 
 
+@dataclass
+class SessionRun:
+    """
+    Sessions with a model of the board over a damaged line.
+
+    Attributes
+    ----------
+    rate : float
+      Faults a byte, both ways.
+    injected, sessions, given_up, words, wrong, resent : int
+      Faults; sessions, and those that said that the link is too bad; words that had to arrive, and sessions
+      in which others did; frames sent again.
+    overhead : float
+      Bytes sent by bytes of set-up words.
+    """
+
+    rate: float
+    injected: int = 0
+    sessions: int = 0
+    given_up: int = 0
+    words: int = 0
+    wrong: int = 0
+    resent: int = 0
+    overhead: float = 0.0
+
+
+def session_run(rate: float, at_least: int, seed: int, words: int = 20000) -> SessionRun:
+    """
+    Sessions over a line of a fault rate until enough faults were injected.
+
+    Parameters
+    ----------
+    rate : float
+    at_least : int
+      Faults.
+    seed : int
+    words : int
+      Set-up words of one session.
+
+    Returns
+    -------
+    SessionRun
+    """
+    run, sent_bytes = SessionRun(rate), 0
+    rng = np.random.default_rng([seed, round(rate * 1e6)])
+    while run.injected < at_least:
+        board = BoardModel(8, 8)
+        line = FaultyTransport(MemoryTransport(board.feed), rate, f"{seed} {run.sessions}")
+        session = Session(line, retries=200)
+        sent = rng.integers(0, 1 << 32, words, dtype=np.uint32)
+        run.sessions += 1
+        arrived = len(sent)
+        try:
+            session.connect()
+            session.triangles(sent)
+            session.flush()
+        except LinkError:
+            run.given_up += 1
+            arrived = len(board.drawing.words)
+        run.wrong += board.drawing.words != sent[:arrived].tolist()
+        run.words += arrived
+        run.injected += line.going.total + line.coming.total
+        run.resent += session.statistics["resent"]
+        sent_bytes += session.statistics["bytes_sent"]
+    run.overhead = round(sent_bytes / max(1, WORD_BYTES * run.words), 3)
+    return run
+
+
+def session_table(runs: list[SessionRun]) -> list[str]:
+    """Rows of the report."""
+    head = "| faults a byte | faults | sessions | words | frames sent again | bytes sent by bytes of words "
+    return [
+        head + "| said to be too bad | wrong |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+        *(
+            f"| {run.rate:g} | {run.injected:,} | {run.sessions} | {run.words:,} | {run.resent:,} "
+            f"| {run.overhead} | {run.given_up} | {run.wrong} |"
+            for run in runs
+        ),
+    ]
+
+
 def codec_table(runs: list[CodecRun]) -> list[str]:
     """Rows of the report."""
     head = [
@@ -119,7 +208,9 @@ def codec_table(runs: list[CodecRun]) -> list[str]:
 def main(faults: int, seed: int) -> None:
     shares = sum(RATES.values())
     runs = [codec_run(rate, faults * share // shares, seed) for rate, share in RATES.items()]
-    total, wrong = sum(run.injected for run in runs), sum(run.wrong for run in runs)
+    sessions = [session_run(rate, faults // share, seed) for rate, share in SESSION_SHARES.items()]
+    total = sum(run.injected for run in [*runs, *sessions])
+    wrong = sum(run.wrong for run in [*runs, *sessions])
     kinds = ", ".join(runs[0].kinds)
     lines = [
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
@@ -133,11 +224,19 @@ def main(faults: int, seed: int) -> None:
         "",
         *codec_table(runs),
         "",
-        f"**{total:,} faults, {wrong} wrong frames.**",
+        "Sessions that send 20,000 set-up words each to the model of the board, faults in both directions. *Wrong*",
+        "is a session after which the board's words are not those sent, each once and in order.",
+        "",
+        *session_table(sessions),
+        "",
+        f"**{total:,} faults, {wrong} wrong frames or sessions.**",
     ]
     REPORT.write_text("\n".join(lines) + "\n")
     REPORT.with_suffix(".json").write_text(
-        json.dumps({"codec": [asdict(run) for run in runs]}, indent=2) + "\n"
+        json.dumps(
+            {"codec": [asdict(run) for run in runs], "sessions": [asdict(run) for run in sessions]}, indent=2
+        )
+        + "\n"
     )
     click.echo("\n".join(lines[8:]))
     if wrong:

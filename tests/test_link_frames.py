@@ -198,3 +198,12 @@ def test_no_damaged_frame_is_accepted(rate: float, seed: int) -> None:
     assert result.injected >= 300
     assert result.wrong == 0
     assert 0 < result.accepted < result.sent
+
+
+@pytest.mark.parametrize("rate", [1e-3, 1e-2])
+def test_no_session_ends_with_wrong_words(rate: float, seed: int) -> None:
+    result = faults.session_run(rate, at_least=20, seed=seed, words=3000)
+    assert result.injected >= 20
+    assert (result.wrong, result.given_up) == (0, 0)
+    assert result.words == 3000 * result.sessions
+    assert result.resent > 0

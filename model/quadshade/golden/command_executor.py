@@ -21,8 +21,8 @@ class Drawing(Protocol):
     def clear(self, colour: int) -> None:
         """Fill the screen, empty the depth."""
 
-    def read(self, x: int, y: int, width: int, count: int, plane: int) -> bytes:
-        """``count`` bytes of a plane."""
+    def read(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
+        """``count`` bytes of a plane, which are ``pixels`` pixels."""
 
     def frame_crc(self, plane: int) -> int:
         """CRC-32 of a plane."""
@@ -54,5 +54,5 @@ def execute(fifo: FrameFifo, drawing: Drawing) -> tuple[Opcode, int, bytes | int
     elif opcode is Opcode.READ:
         return opcode, number, drawing.read(**fields)
     else:
-        return opcode, number, drawing.frame_crc(**fields)
+        return opcode, number, drawing.frame_crc(fields["plane"])
     return opcode, number, None

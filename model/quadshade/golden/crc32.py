@@ -33,9 +33,20 @@ class Crc32:
             self.remainder = self.remainder >> 1 ^ (POLYNOMIAL if out_bit else 0)
 
 
-def crc_of(data: bytes) -> int:
-    """CRC-32 of some bytes."""
+def _byte_remainder(byte: int) -> int:
+    """What is left of one byte."""
     crc = Crc32()
+    crc.remainder = 0
+    crc.add(byte)
+    return crc.remainder
+
+
+_REMAINDERS = [_byte_remainder(byte) for byte in range(256)]
+
+
+def crc_of(data: bytes) -> int:
+    """CRC-32 of some bytes, a byte at a time."""
+    remainder = ONES
     for byte in data:
-        crc.add(byte)
-    return crc.crc
+        remainder = remainder >> 8 ^ _REMAINDERS[(remainder ^ byte) & 0xFF]
+    return remainder ^ ONES

@@ -203,10 +203,11 @@ PAYLOADS = {
             ("y", 2, "first scanline"),
             ("width", 2, "columns; after the last one the next scanline's follow"),
             ("count", 2, f"bytes wanted, 1 to {MAX_READ}"),
-            ("plane", 4, "0 colour, 1 depth"),
+            ("pixels", 2, "pixels that these are"),
+            ("plane", 2, "0 colour, 1 depth"),
         )
     ),
-    Opcode.FRAME_CRC: Payload((("plane", 4, "0 colour, 1 depth"),)),
+    Opcode.FRAME_CRC: Payload((("reserved", 2, "0"), ("plane", 2, "0 colour, 1 depth"))),
     Opcode.ACK: Payload(LINK_STATE),
     Opcode.NAK: Payload(LINK_STATE),
     Opcode.RESET_ANSWER: Payload(LINK_STATE),

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sessions with a model of the board: scenes, damaged lines, boards that are not, ports that are not."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from quadshade.formats import Formats
+from quadshade.link.board_model import BoardModel
+from quadshade.link.faults import FaultInjector
+from quadshade.link.picture import read_picture
+from quadshade.link.protocol import LinkError, Opcode, Reason
+from quadshade.link.session import Session
+from quadshade.link.transport import FaultyTransport, MemoryTransport, SerialTransport, open_transport
+from quadshade.scene import load_scene, parse_camera, project
+from quadshade.setup.packet import pack
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.shading import DEFAULT_LIGHTS, Material, sample
+
+WIDTH, HEIGHT = 40, 30
+
+
+@pytest.fixture(scope="module")
+def words() -> np.ndarray:
+    """Set-up words of a sphere."""
+    formats = Formats()
+    mesh = load_scene("sphere:168")
+    projected = project(mesh, parse_camera("", mesh), WIDTH, HEIGHT, formats)
+    triangles = sample(projected, "quadratic", DEFAULT_LIGHTS, Material(), formats)
+    return pack(setup_triangles(triangles, formats), formats)
+
+
+def undamaged(words: np.ndarray) -> np.ndarray:
+    """The picture without a line."""
+    board = BoardModel(WIDTH, HEIGHT)
+    board.drawing.clear(0x302010)
+    board.drawing.triangles(words.tolist())
+    return board.drawing.plane(0).copy()
+
+
+def session_with(board: BoardModel, rate: float = 0, seed: int | str = 1, **options: int) -> Session:
+    transport = MemoryTransport(board.feed)
+    return Session(FaultyTransport(transport, rate, seed) if rate else transport, **options)
+
+
+def draw(session: Session, words: np.ndarray) -> np.ndarray:
+    """A whole picture over a session."""
+    session.connect()
+    session.clear(0x302010)
+    session.triangles(words)
+    session.flush()
+    return read_picture(session)
+
+
+def test_a_scene_arrives(words: np.ndarray) -> None:
+    board = BoardModel(WIDTH, HEIGHT)
+    session = session_with(board)
+    picture = draw(session, words)
+    assert (picture != [0x10, 0x20, 0x30]).any(axis=2).mean() > 0.2
+    assert np.array_equal(picture, undamaged(words))
+    assert session.statistics["recoveries"] == session.statistics["timeouts"] == 0
+    assert session.status()["frames"] == board.counts["frames"] > 20
+    assert session.identity["screen_width"] == WIDTH
+
+
+@pytest.mark.parametrize("rate", [1e-5, 1e-4, 1e-3, 1e-2])
+def test_damage_costs_time_and_nothing_else(rate: float, words: np.ndarray, seed: int) -> None:
+    expected = undamaged(words)
+    session = session_with(BoardModel(WIDTH, HEIGHT), rate, seed, retries=200)
+    assert np.array_equal(draw(session, words), expected)
+    injected = session.transport.going.total + session.transport.coming.total
+    assert injected > 0 or rate < 1e-3
+
+
+def test_a_line_that_is_too_bad_is_said_to_be(words: np.ndarray, seed: int) -> None:
+    board = BoardModel(WIDTH, HEIGHT)
+    session = session_with(board)
+    session.connect()
+    session.transport = FaultyTransport(session.transport, 0.3, seed)
+    with pytest.raises(LinkError, match="the link is too bad|no answer to"):
+        session.triangles(words)
+        session.flush()
+
+
+def test_words_arrive_once_and_in_order(seed: int) -> None:
+    board = BoardModel(WIDTH, HEIGHT, words=512)
+    session = session_with(board, 3e-3, seed, retries=200)
+    session.connect()
+    rng = np.random.default_rng(seed)
+    sent = rng.integers(0, 1 << 32, 5000, dtype=np.uint32)
+    for part in np.array_split(sent, 7):
+        session.triangles(part)
+        session.state(5, part[:100])
+    session.flush()
+    assert board.drawing.words == sent.tolist()
+    assert [board.drawing.registers[5 + index] for index in range(100)] == part[:100].tolist()
+    assert session.statistics["resent"] > 10
+
+
+def test_credits_are_kept(words: np.ndarray) -> None:
+    board = BoardModel(WIDTH, HEIGHT, words=256)
+    board.stalled = True
+    session = session_with(board, retries=5)
+    session.connect()
+    with pytest.raises(LinkError, match="the link is too bad"):
+        session.triangles(words)
+    assert board.counts["overruns"] == 0
+    assert board.fifo.free < 256
+    assert board.receiver.expected == board.counts["frames"] > 0
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("magic", 0, "no Quadshade board; is it the right port"),
+        ("version", 99, "the board speaks version 99 of the protocol, this host 1; use"),
+        ("definition", 0x1234, "the board has other formats: 00001234, here"),
+    ],
+)
+def test_other_boards_are_named(field: str, value: int, message: str) -> None:
+    board = BoardModel(WIDTH, HEIGHT)
+    board.identity = {**board.identity, field: value}
+    with pytest.raises(LinkError, match=message):
+        session_with(board).connect()
+    assert board.session == 0
+
+
+def test_silence_and_noise_are_no_board(seed: int) -> None:
+    noise = FaultInjector(1, seed)
+    for feed in (lambda data: b"", lambda data: data, lambda data: noise.damage(bytes(9000)) * 3):
+        with pytest.raises(LinkError, match="no answer to HELLO"):
+            Session(MemoryTransport(feed), retries=3).connect()
+
+
+def test_a_reset_meanwhile_is_noticed(words: np.ndarray) -> None:
+    board = BoardModel(WIDTH, HEIGHT)
+    session = session_with(board)
+    session.connect()
+    session.triangles(words[:2000])
+    session_with(board).connect()
+    with pytest.raises(LinkError, match="reset meanwhile|too bad"):
+        session.triangles(words)
+        session.flush()
+
+
+def test_refusals_are_errors() -> None:
+    session = session_with(BoardModel(WIDTH, HEIGHT))
+    session.connect()
+    with pytest.raises(LinkError, match=Reason.BAD_FIELD.name.lower().replace("_", " ")):
+        session.ask(Opcode.FRAME_CRC, [{"reserved": 0, "plane": 7}])
+
+
+def test_trace_shows_every_frame() -> None:
+    lines: list[str] = []
+    session = Session(MemoryTransport(BoardModel(WIDTH, HEIGHT).feed), trace=lines.append)
+    session.connect()
+    session.clear()
+    session.flush()
+    assert [line.split()[:2] for line in lines] == [
+        [">", "HELLO"], ["<", "HELLO_ANSWER"], [">", "RESET"], ["<", "RESET_ANSWER"], [">", "CLEAR"], ["<", "ACK"],
+    ]  # fmt: skip
+
+
+class PtyBoard:
+    """A model of the board behind a pseudo-terminal."""
+
+    def __init__(self) -> None:
+        self.board = BoardModel(WIDTH, HEIGHT)
+        self.master, self.slave = pty.openpty()
+        self.name = os.ttyname(self.slave)
+        self.running = True
+        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.thread.start()
+
+    def run(self) -> None:
+        while self.running:
+            if select.select([self.master], [], [], 0.05)[0]:
+                answer = self.board.feed(os.read(self.master, 4096))
+                while answer:
+                    answer = answer[os.write(self.master, answer) :]
+
+    def stop(self) -> None:
+        self.running = False
+        self.thread.join()
+        os.close(self.slave)
+        os.close(self.master)
+
+
+def test_over_a_pseudo_terminal(words: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+    far = PtyBoard()
+    try:
+        monkeypatch.setenv("QUADSHADE_PORT", far.name)
+        transport = open_transport()
+        # A busy machine may take long; nothing is lost, so nothing times out for long.
+        session = Session(transport, answer_seconds=20)
+        assert np.array_equal(draw(session, words), undamaged(words))
+        session.set_baud(115200)
+        with pytest.raises(LinkError, match="another program has it open"):
+            SerialTransport(far.name)
+        transport.close()
+        # The next one finds the board as it is.
+        again = Session(SerialTransport(far.name), answer_seconds=20)
+        assert again.connect(reset=False)["session"] == far.board.session != 0
+        again.transport.close()
+    finally:
+        far.stop()
+
+
+def test_ports_that_cannot_be_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("QUADSHADE_PORT", raising=False)
+    with pytest.raises(LinkError, match="no port is given; give one"):
+        open_transport()
+    with pytest.raises(LinkError, match="is the board plugged in"):
+        open_transport(str(tmp_path / "missing"))
+    with pytest.raises(LinkError, match="cannot open"):
+        open_transport(str(tmp_path))
+    with pytest.raises(LinkError, match="no URL that pyserial knows"):
+        open_transport("nonsense://port")
+    with pytest.raises(LinkError, match="baud rate is 'fast'"):
+        monkeypatch.setenv("QUADSHADE_BAUD", "fast")
+        open_transport("loop://")
