@@ -149,7 +149,7 @@ architecture rtl of command_decoder is
   signal chosen_bytes : u_unsigned(9 downto 0);
   signal chosen : std_ulogic_vector(3 downto 0);
   signal word_data : word_t;
-  signal frame_valid, frame_ready, frame_last, encoder_idle : std_ulogic;
+  signal frame_valid, frame_ready, frame_last, encoding_done : std_ulogic;
   signal frame_data : byte_t;
 
 begin
@@ -323,7 +323,7 @@ begin
         nak_reason <= reason;
       end if;
       -- The rate changes when the last bit of BAUD's answer is out.
-      if step_due = '1' and answer_ready = '1' and encoder_idle = '1' and send_busy = '0' then
+      if step_due = '1' and answer_ready = '1' and encoding_done = '1' and send_busy = '0' then
         step_due <= '0';
         step <= new_step;
       end if;
@@ -370,7 +370,7 @@ begin
   encoder : entity work.cobs_encoder
     port map (
       clk => clk, reset => all_reset, byte_valid => frame_valid, byte_ready => frame_ready,
-      byte_data => frame_data, byte_last => frame_last, idle => encoder_idle,
+      byte_data => frame_data, byte_last => frame_last, idle => encoding_done,
       line_valid => send_valid, line_ready => send_ready, line_data => send_data
     );
 

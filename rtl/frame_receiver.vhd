@@ -78,12 +78,13 @@ architecture rtl of frame_receiver is
   -- A payload of the length that its opcode has.
   function fits(code : std_ulogic_vector(7 downto 0); bytes : u_unsigned(15 downto 0)) return std_ulogic is
     variable words : u_unsigned(13 downto 0);
+    variable good : std_ulogic := '1';
   begin
     words := bytes(15 downto 2);
     if bytes(1 downto 0) /= 0 or words < least_words(code) or words > most_words(code) then
-      return '0';
+      good := '0';
     end if;
-    return '1';
+    return good;
   end function;
 
 begin

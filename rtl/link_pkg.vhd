@@ -139,52 +139,91 @@ package body link_pkg is
 
   -- Words of a request's shortest payload.
   function least_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned is
+    variable words : u_unsigned(7 downto 0) := (others => '0');
   begin
-    case opcode is
-      when opcode_hello => return to_unsigned(0, 8);
-      when opcode_status => return to_unsigned(0, 8);
-      when opcode_reset => return to_unsigned(1, 8);
-      when opcode_baud => return to_unsigned(1, 8);
-      when opcode_clear => return to_unsigned(1, 8);
-      when opcode_state => return to_unsigned(2, 8);
-      when opcode_triangles => return to_unsigned(1, 8);
-      when opcode_read => return to_unsigned(3, 8);
-      when opcode_frame_crc => return to_unsigned(1, 8);
-      when others => return to_unsigned(0, 8);
-    end case;
+    if opcode = opcode_reset then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_baud then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_clear then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_state then
+      words := to_unsigned(2, 8);
+    end if;
+    if opcode = opcode_triangles then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_read then
+      words := to_unsigned(3, 8);
+    end if;
+    if opcode = opcode_frame_crc then
+      words := to_unsigned(1, 8);
+    end if;
+    return words;
   end function least_words;
 
   -- Words of a request's longest payload.
   function most_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned is
+    variable words : u_unsigned(7 downto 0) := (others => '0');
   begin
-    case opcode is
-      when opcode_hello => return to_unsigned(0, 8);
-      when opcode_status => return to_unsigned(0, 8);
-      when opcode_reset => return to_unsigned(1, 8);
-      when opcode_baud => return to_unsigned(1, 8);
-      when opcode_clear => return to_unsigned(1, 8);
-      when opcode_state => return to_unsigned(254, 8);
-      when opcode_triangles => return to_unsigned(254, 8);
-      when opcode_read => return to_unsigned(3, 8);
-      when opcode_frame_crc => return to_unsigned(1, 8);
-      when others => return to_unsigned(0, 8);
-    end case;
+    if opcode = opcode_reset then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_baud then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_clear then
+      words := to_unsigned(1, 8);
+    end if;
+    if opcode = opcode_state then
+      words := to_unsigned(254, 8);
+    end if;
+    if opcode = opcode_triangles then
+      words := to_unsigned(254, 8);
+    end if;
+    if opcode = opcode_read then
+      words := to_unsigned(3, 8);
+    end if;
+    if opcode = opcode_frame_crc then
+      words := to_unsigned(1, 8);
+    end if;
+    return words;
   end function most_words;
 
   function is_request(opcode : std_ulogic_vector(7 downto 0)) return std_ulogic is
+    variable known : std_ulogic := '0';
   begin
-    case opcode is
-      when opcode_hello => return '1';
-      when opcode_status => return '1';
-      when opcode_reset => return '1';
-      when opcode_baud => return '1';
-      when opcode_clear => return '1';
-      when opcode_state => return '1';
-      when opcode_triangles => return '1';
-      when opcode_read => return '1';
-      when opcode_frame_crc => return '1';
-      when others => return '0';
-    end case;
+    if opcode = opcode_hello then
+      known := '1';
+    end if;
+    if opcode = opcode_status then
+      known := '1';
+    end if;
+    if opcode = opcode_reset then
+      known := '1';
+    end if;
+    if opcode = opcode_baud then
+      known := '1';
+    end if;
+    if opcode = opcode_clear then
+      known := '1';
+    end if;
+    if opcode = opcode_state then
+      known := '1';
+    end if;
+    if opcode = opcode_triangles then
+      known := '1';
+    end if;
+    if opcode = opcode_read then
+      known := '1';
+    end if;
+    if opcode = opcode_frame_crc then
+      known := '1';
+    end if;
+    return known;
   end function is_request;
 
 end package body link_pkg;

@@ -30,21 +30,34 @@ def requests() -> list[Opcode]:
     return [opcode for opcode in PAYLOADS if not opcode.is_answer]
 
 
+def choices(result: str, values: dict[Opcode, str]) -> list[str]:
+    """
+    Lines that give a variable the value of its opcode, or leave it.
+
+    Not a case statement: GHDL 2.0 forgets its ``when others`` in the netlist, if it stands in a function.
+    """
+    lines = []
+    for opcode, value in values.items():
+        lines += [
+            f"    if opcode = opcode_{opcode.name.lower()} then",
+            f"      {result} := {value};",
+            "    end if;",
+        ]
+    return lines
+
+
 def length_function(name: str, which: int, why: str) -> list[str]:
     """Lines of a function from a request's opcode to its shortest or longest payload in words."""
-    cases = [
-        f"      when opcode_{opcode.name.lower()} => return to_unsigned({low_high[which] // WORD_BYTES}, 8);"
-        for opcode in requests()
-        for low_high in [PAYLOADS[opcode].lengths]
-    ]
+    lengths = {opcode: PAYLOADS[opcode].lengths[which] // WORD_BYTES for opcode in requests()}
     return [
         f"  -- {why}",
         f"  function {name}(opcode : {BYTE}) return u_unsigned is",
+        "    variable words : u_unsigned(7 downto 0) := (others => '0');",
         "  begin",
-        "    case opcode is",
-        *cases,
-        "      when others => return to_unsigned(0, 8);",
-        "    end case;",
+        *choices(
+            "words", {opcode: f"to_unsigned({length}, 8)" for opcode, length in lengths.items() if length}
+        ),
+        "    return words;",
         f"  end function {name};",
         "",
     ]
@@ -148,11 +161,10 @@ def package() -> str:
         *length_function("least_words", 0, "Words of a request's shortest payload."),
         *length_function("most_words", 1, "Words of a request's longest payload."),
         f"  function is_request(opcode : {BYTE}) return std_ulogic is",
+        "    variable known : std_ulogic := '0';",
         "  begin",
-        "    case opcode is",
-        *(f"      when opcode_{opcode.name.lower()} => return '1';" for opcode in requests()),
-        "      when others => return '0';",
-        "    end case;",
+        *choices("known", dict.fromkeys(requests(), "'1'")),
+        "    return known;",
         "  end function is_request;",
         "",
         "end package body link_pkg;",
