@@ -32,7 +32,16 @@ end entity;
 
 architecture rtl of block_ram is
 
-  type words_t is array (0 to num_words - 1) of std_ulogic_vector(data_bits - 1 downto 0);
+  -- GHDL synthesises no memory of one word.
+  function at_least_two(count : positive) return positive is
+  begin
+    if count < 2 then
+      return 2;
+    end if;
+    return count;
+  end function;
+
+  type words_t is array (0 to at_least_two(num_words) - 1) of std_ulogic_vector(data_bits - 1 downto 0);
   signal words : words_t;
   signal fetched, read_reg : std_ulogic_vector(data_bits - 1 downto 0);
 
