@@ -205,7 +205,7 @@ def _row(
 
 
 def beside_paper(measured: list[dict], faces: int) -> list[dict]:
-    """The paper's two tables and ours as ratios: triangles over the mesh's, times over Gouraud's and Phong's."""
+    """The paper's two tables and ours as ratios: triangles to the mesh's, times to Gouraud's and Phong's."""
     tables = cho_tables()
     times = {row["method"]: row for row in tables["table_1"]}
     counts = {row["method"]: row for row in tables["table_2"]}
@@ -288,9 +288,10 @@ def text(data: dict) -> str:
         "",
         fill(
             f"Written by `{data['command']}`. {data['mesh']} ({data['faces']} triangles), {data['views']} "
-            f"views from above the horizon, ambient light and four point lights that stay where they are, Blinn's "
-            f"exponent {data['exponent']:g} (the paper gives none). Thresholds as in the paper: {DIFFERENCE} of the "
-            f"true intensity (highlight subdivision), {AREA:g} pixels (regular). Counts are means a view; "
+            f"views from above the horizon, ambient light and four point lights that stay where they are, "
+            f"Blinn's exponent {data['exponent']:g} (the paper gives none). Thresholds as in the paper: "
+            f"{DIFFERENCE} of the true intensity (highlight subdivision), {AREA:g} pixels "
+            f"(regular). Counts are means a view; "
             f"{front:.1f} triangles face the viewer.",
             110,
         ),

@@ -189,7 +189,7 @@ def _light_corners(vertices, position, normal, index, surface, keepers, kept, ou
     """
     Colours (3, 3 of 7) of one triangle's corners; a vertex that triangles share is lit once.
 
-    ``keepers`` (s,) says whose corner (3 triangle + corner) the colour in ``kept`` (s, 3) is of, -1: nobody's.
+    ``keepers`` (s,) says whose corner (3 triangle + corner) the colour in ``kept`` (s, 3) is, -1: nobody's.
     """
     for corner in range(3):
         place, point, turn = vertices[index, corner], position[index, corner], normal[index, corner]
