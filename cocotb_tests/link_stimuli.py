@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import random
 
-from quadshade.golden.frame_receiver import FrameReceiver
+from quadshade.golden.frame_receiver import FrameReceiver, Reach
 from quadshade.link.frames import sealed
 from quadshade.link.protocol import MAX_PAYLOAD, MAX_READ, SEQUENCES, Opcode, pack_payload
 
@@ -21,8 +21,7 @@ def good_payload(draw: random.Random, opcode: Opcode, most_words: int = MOST_WOR
     if opcode is Opcode.STATE:
         return pack_payload(opcode, {"address": word}, tail)
     if opcode is Opcode.READ:
-        place = {name: draw.getrandbits(16) for name in ("x", "y", "width", "pixels")}
-        return pack_payload(opcode, {**place, "count": draw.randint(1, 20), "plane": draw.randint(0, 1)})
+        return pack_payload(opcode, good_area(draw, Reach()))
     values: dict[Opcode, dict[str, int]] = {
         Opcode.CLEAR: {"colour": word},
         Opcode.RESET: {"session": word},
@@ -30,6 +29,42 @@ def good_payload(draw: random.Random, opcode: Opcode, most_words: int = MOST_WOR
         Opcode.FRAME_CRC: {"reserved": word >> 16, "plane": word & 1},
     }
     return pack_payload(opcode, values.get(opcode, {}))
+
+
+def good_area(draw: random.Random, reach: Reach, most: int = 20) -> dict[str, int]:
+    """READ's fields for an area on the screen."""
+    plane = draw.choice([number for number, size in enumerate(reach.plane_bytes) if size])
+    x, y = draw.randrange(reach.width), draw.choice((0, reach.height - 1, draw.randrange(reach.height)))
+    width = draw.choice((1, reach.width - x, draw.randint(1, reach.width - x)))
+    room = min(width * (reach.height - y) * reach.plane_bytes[plane], MAX_READ)
+    count = draw.choice((1, min(room, most), draw.randint(1, min(room, most))))
+    pixels = -(-count // reach.plane_bytes[plane])
+    return {"x": x, "y": y, "width": width, "count": count, "pixels": pixels, "plane": plane}
+
+
+def wrong_area(draw: random.Random, reach: Reach) -> dict[str, int]:
+    """READ's fields for an area that is just not on the screen, or a plane that is not there."""
+    area = good_area(draw, reach, MAX_READ)
+    size = reach.plane_bytes[area["plane"]]
+    kind = draw.choice(("count", "plane", "right", "below", "rows", "width", "pixels", "any"))
+    if kind == "count":
+        area["count"] = draw.choice((0, MAX_READ + 1, 65535))
+        area["pixels"] = -(-area["count"] // size)
+    elif kind == "plane":
+        area["plane"] = draw.choice([n for n in (1, 2, 3, 4, 7, 1 << 15) if not reach.holds(n)])
+    elif kind == "right":
+        area["x"] = reach.width - area["width"] + draw.choice((1, 2, 65535 - reach.width))
+    elif kind == "below":
+        area["y"] = draw.choice((reach.height, reach.height + 1, 65535))
+    elif kind == "rows":
+        area.update(y=reach.height - 1, count=(area["width"] + 1) * size, pixels=area["width"] + 1)
+    elif kind == "width":
+        area["width"] = 0
+    elif kind == "pixels":
+        area["pixels"] += draw.choice((-1, 1, 1 << 10, 1 << 13))
+    else:
+        area.update({name: draw.getrandbits(16) for name in ("x", "y", "width", "pixels")})
+    return area
 
 
 def wrong_body(draw: random.Random, expected: int) -> bytes:
@@ -50,10 +85,12 @@ def wrong_body(draw: random.Random, expected: int) -> bytes:
     if kind == "answer":
         return body_of(draw.choice((0x80, 0xC0, 0x92)), expected, payload)
     if kind == "fields":
-        count, plane = draw.choice(((0, 0), (MAX_READ + 1, 0), (65535, 1), (5, 2 << 16), (5, 1 << 31)))
-        return body_of(
-            Opcode.READ, expected, bytes(6) + count.to_bytes(2, "little") + plane.to_bytes(4, "little")
-        )
+        if draw.random() < 0.2:
+            plane = draw.choice((2, 3, 4, 1 << 15))
+            return body_of(
+                Opcode.FRAME_CRC, expected, pack_payload(Opcode.FRAME_CRC, {"reserved": 0, "plane": plane})
+            )
+        return body_of(Opcode.READ, expected, pack_payload(Opcode.READ, wrong_area(draw, Reach())))
     if kind == "size":
         return body_of(
             draw.choice((Opcode.CLEAR, Opcode.READ, Opcode.STATE, Opcode.HELLO)), expected, payload[:4] * 5

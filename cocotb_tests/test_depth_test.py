@@ -16,7 +16,15 @@ from quadshade.golden.depth_test import DepthTest
 from simulation import identifier, simulate
 
 PIXEL = ("x", "y", "value", "depth")
-INPUTS = ("clear", "pixel_valid", "kept_ready", *(f"pixel_{name}" for name in PIXEL))
+INPUTS = (
+    "clear",
+    "look",
+    "look_enable",
+    "look_address",
+    "pixel_valid",
+    "kept_ready",
+    *(f"pixel_{name}" for name in PIXEL),
+)
 LATENCY = 6
 """Clocks from a pixel's acceptance to the clock in which it stands at the output."""
 
@@ -93,6 +101,25 @@ class Screen:
         self.bench.check_all("kept pixel", self.sink.words, self.expected)
 
 
+async def look_at_all(screen: Screen, go: Iterator[bool]) -> None:
+    """Every place's depth, while no pixel is taken."""
+    bench, dut, model = screen.bench, screen.bench.dut, screen.model
+    bench.check("idle", bool(dut.idle.value), True)
+    dut.look.value, asked = 1, []
+    while len(asked) < len(model.stored) + 2:
+        moves = next(go)
+        address = len(asked) if len(asked) < len(model.stored) else bench.draw.randrange(len(model.stored))
+        dut.look_enable.value, dut.look_address.value = int(moves), address
+        await bench.edge()
+        bench.check("pixel_ready while looking", bool(dut.pixel_ready.value), False)
+        if len(asked) >= 2:
+            depth = min(model.stored[asked[-2]], (1 << bench.config.depth_bits) - 1)
+            bench.check("depth that is looked at", int(dut.look_depth.value), depth, asked[-2])
+        if moves:
+            asked.append(address)
+    dut.look.value = 0
+
+
 async def begin(dut: Any, test: str) -> Bench:
     """Reset, and the fill that follows it."""
     bench = Bench(dut, Config, test)
@@ -159,6 +186,9 @@ async def every_overlap(dut: Any, source: str, sink: str) -> None:
             # No order and no distance costs a clock.
             times = screen.source.accepted_at[begin_at:]
             bench.check("clocks between pixels", {b - a for a, b in pairwise(times)} <= {1}, True)
+        if begin_at == 0 or not bench.draw.randrange(8):
+            await screen.drain()
+            await look_at_all(screen, SPEEDS[sink](bench.draw))
         dut.clear.value = 1
         await screen.cycle()
         dut.clear.value = 0

@@ -63,6 +63,9 @@ entity command_decoder is
     -- For counting.
     pixel_done : in std_ulogic;
     primitive_done : in std_ulogic;
+    -- For lights: a good frame, and one that is not or has a bad character.
+    frame_seen : out std_ulogic;
+    fault_seen : out std_ulogic;
 
     setup_valid : out std_ulogic;
     setup_ready : in std_ulogic;
@@ -86,14 +89,14 @@ entity command_decoder is
     read_count : out u_unsigned(15 downto 0);
     -- The pixels that these are.
     read_pixels : out u_unsigned(15 downto 0);
-    read_plane : out std_ulogic;
+    read_plane : out u_unsigned(1 downto 0);
     read_data_valid : in std_ulogic;
     read_data_ready : out std_ulogic;
     read_data : in std_ulogic_vector(7 downto 0);
 
     frame_crc_valid : out std_ulogic;
     frame_crc_ready : in std_ulogic;
-    frame_crc_plane : out std_ulogic;
+    frame_crc_plane : out u_unsigned(1 downto 0);
     frame_crc_done : in std_ulogic;
     frame_crc_value : in std_ulogic_vector(31 downto 0)
   );
@@ -156,6 +159,9 @@ begin
 
   all_reset <= reset or link_reset;
   core_reset <= link_reset;
+  frame_seen <= ack or request;
+  fault_seen <= line_error or events(counter_bad_cobs) or events(counter_bad_crc) or
+    events(counter_bad_length) or events(counter_refused);
   phase_step <= step;
 
   decoder : entity work.cobs_decoder
@@ -166,6 +172,10 @@ begin
     );
 
   receiver : entity work.frame_receiver
+    generic map (
+      screen_width => screen_width, screen_height => screen_height, colour_bytes => colour_bytes,
+      depth_bytes => depth_bytes, with_edge_map => (features / feature_edge_map) mod 2
+    )
     port map (
       clk => clk, reset => all_reset,
       byte_valid => byte_valid, byte_data => byte_data, frame_end => frame_end, frame_good => frame_good,

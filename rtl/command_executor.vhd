@@ -44,11 +44,11 @@ entity command_executor is
     -- Bytes that are taken from read_data.
     read_count : out u_unsigned(15 downto 0);
     read_pixels : out u_unsigned(15 downto 0);
-    read_plane : out std_ulogic;
+    read_plane : out u_unsigned(1 downto 0);
 
     frame_crc_valid : out std_ulogic;
     frame_crc_ready : in std_ulogic;
-    frame_crc_plane : out std_ulogic;
+    frame_crc_plane : out u_unsigned(1 downto 0);
     frame_crc_done : in std_ulogic;
     frame_crc_value : in std_ulogic_vector(31 downto 0);
 
@@ -96,9 +96,9 @@ begin
   read_width <= unsigned(word_1(15 downto 0));
   read_count <= unsigned(word_1(31 downto 16));
   read_pixels <= unsigned(word_0(15 downto 0));
-  read_plane <= word_0(16);
+  read_plane <= unsigned(word_0(17 downto 16));
   frame_crc_valid <= '1' when place = dispatch and code = opcode_frame_crc else '0';
-  frame_crc_plane <= word_0(16);
+  frame_crc_plane <= unsigned(word_0(17 downto 16));
   due <= '1' when place = answer and (code = opcode_read or crc_known = '1') else '0';
   result_due <= due;
 

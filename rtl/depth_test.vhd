@@ -8,7 +8,7 @@
 -- three ahead of it, whose depths are not yet in the memory, on its way.
 -- Clear: width * height + 1 cycles once the pixels ahead have left. Generation bits that spare most fills
 -- were weighed: two bits a word more, and a fill of 320 x 240 is 0.8 ms at 100 MHz, where a serial line of
--- 1 Mbaud needs half a second for a scene.
+-- 1 Mbaud needs half a second for a scene.  Depths are read, instead of new pixels, while it is idle.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -41,6 +41,15 @@ entity depth_test is
     pixel_y : in u_unsigned(coord_bits - 1 downto 0);
     pixel_value : in u_unsigned(value_bits - 1 downto 0);
     pixel_depth : in u_unsigned(depth_bits - 1 downto 0);
+
+    -- No pixel is on its way, no clear in progress.
+    idle : out std_ulogic;
+    -- Takes no pixels; while idle too, an address gives its depth, the greatest where nothing was drawn, two
+    -- cycles with look_enable later.
+    look : in std_ulogic;
+    look_enable : in std_ulogic;
+    look_address : in u_unsigned(address_bits(width * height) - 1 downto 0);
+    look_depth : out u_unsigned(depth_bits - 1 downto 0);
 
     kept_valid : out std_ulogic;
     kept_ready : in std_ulogic;
@@ -86,7 +95,8 @@ architecture rtl of depth_test is
 
   signal closed, filling : std_ulogic;
   signal fill_address : address_t;
-  signal advance, accept, on_screen, emptied : std_ulogic;
+  signal advance, accept, on_screen, emptied, looking, read_enable : std_ulogic;
+  signal read_address : address_t;
 
   signal emitted, shown : std_ulogic_vector(pixel_bits + depth_bits - 1 downto 0);
   signal shown_valid : std_ulogic;
@@ -98,8 +108,8 @@ begin
       & ", coord_bits = " & integer'image(coord_bits) & " allow " & integer'image(2**coord_bits)
     severity failure;
 
-  pixel_ready <= advance and not closed;
-  accept <= pixel_valid and advance and not closed;
+  pixel_ready <= advance and not closed and not look;
+  accept <= pixel_valid and advance and not closed and not look;
   on_screen <= '1' when resize(pixel_x, coord_bits + 1) < to_unsigned(width, coord_bits + 1)
     and resize(pixel_y, coord_bits + 1) < to_unsigned(height, coord_bits + 1) else '0';
   place <= pixel_y & pixel_x;
@@ -188,6 +198,12 @@ begin
     );
 
   busy <= closed;
+  idle <= emptied and not closed;
+  looking <= look and emptied;
+  read_enable <= look_enable when looking = '1' else advance;
+  read_address <= look_address when looking = '1' else address_2;
+  look_depth <= (others => '1') when read_data(stored_bits - 1) = '1'
+    else unsigned(read_data(depth_bits - 1 downto 0));
 
   -- A stalled pixel is written again and again, the same each time.
   write_enable <= kept_5 or filling;
@@ -200,7 +216,7 @@ begin
     port map (
       clk => clk,
       write_enable => write_enable, write_address => write_address, write_data => write_data,
-      read_enable => advance, read_address => address_2, read_data => read_data
+      read_enable => read_enable, read_address => read_address, read_data => read_data
     );
 
   emitted <= std_ulogic_vector(depth_5 & pixel_5);

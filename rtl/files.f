@@ -4,6 +4,7 @@ rtl/quadshade_pkg.vhd
 rtl/link_pkg.vhd
 rtl/screen_pkg.vhd
 rtl/block_ram.vhd
+rtl/single_port_ram.vhd
 rtl/crc32.vhd
 rtl/uart_rx.vhd
 rtl/uart_tx.vhd
@@ -31,3 +32,6 @@ rtl/depth_test.vhd
 rtl/framebuffer.vhd
 rtl/read_out.vhd
 rtl/edge_map.vhd
+rtl/plane_reader.vhd
+rtl/screen.vhd
+rtl/board.vhd

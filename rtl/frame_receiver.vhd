@@ -11,8 +11,17 @@ use ieee.std_logic_1164.all;
 use ieee.numeric_std.all;
 
 use work.link_pkg.all;
+use work.screen_pkg.all;
 
 entity frame_receiver is
+  generic (
+    -- What READ and FRAME_CRC may name: see board_t.
+    screen_width : positive := 320;
+    screen_height : positive := 240;
+    colour_bytes : positive := 3;
+    depth_bytes : natural := 2;
+    with_edge_map : natural := 0
+  );
   port (
     clk : in std_ulogic;
     reset : in std_ulogic;
@@ -62,14 +71,25 @@ architecture rtl of frame_receiver is
   -- Bytes of the frame, up to too_many.
   signal count : u_unsigned(count_bits - 1 downto 0) := (others => '0');
   signal header : std_ulogic_vector(31 downto 0) := (others => '0');
-  -- The payload's last word and the one before it.
-  signal last_word, word_before : std_ulogic_vector(31 downto 0) := (others => '0');
+  -- The payload's last three words, of READ: pixels and plane; width and count; x and y.
+  signal last_word, word_before, word_first : std_ulogic_vector(31 downto 0) := (others => '0');
   signal shift : std_ulogic_vector(23 downto 0) := (others => '0');
   signal word : std_ulogic_vector(31 downto 0);
   signal word_done, in_payload : std_ulogic;
   signal length : u_unsigned(15 downto 0);
   signal crc : std_ulogic_vector(31 downto 0);
   signal crc_clear : std_ulogic;
+
+  constant width_bits : positive := address_bits(screen_width + 1);
+  constant rows_bits : positive := address_bits(screen_height + 1);
+  constant pixels_bits : positive := address_bits(max_read + 1);
+  -- In three steps while the CRC comes: scanlines from y on, bytes of a pixel; pixels from there on at most,
+  -- bytes of the pixels; whether the area is on the screen, and its pixels are what the bytes need.
+  signal rows : u_unsigned(rows_bits - 1 downto 0) := (others => '0');
+  signal pixel_bytes : u_unsigned(2 downto 0) := (others => '0');
+  signal pixels_there : u_unsigned(width_bits + rows_bits - 1 downto 0) := (others => '0');
+  signal pixels_bytes : u_unsigned(pixels_bits + 2 downto 0) := (others => '0');
+  signal good_place, good_plane, good_area : std_ulogic := '0';
 
   -- One cycle after the frame's end.
   signal ended, good_cobs, good_size, good_crc, good_length : std_ulogic := '0';
@@ -118,6 +138,7 @@ begin
         if word_done = '1' and in_payload = '1' then
           last_word <= word;
           word_before <= last_word;
+          word_first <= word_before;
         end if;
       end if;
       ended <= frame_end;
@@ -144,6 +165,48 @@ begin
     end if;
   end process;
 
+  area : process (clk)
+    variable plane, columns, pixels, bytes : u_unsigned(15 downto 0);
+    variable right : u_unsigned(16 downto 0);
+  begin
+    if rising_edge(clk) then
+      plane := unsigned(last_word(31 downto 16));
+      pixels := unsigned(last_word(15 downto 0));
+      bytes := unsigned(word_before(31 downto 16));
+      columns := unsigned(word_before(15 downto 0));
+      right := resize(unsigned(word_first(15 downto 0)), 17) + columns;
+
+      good_place <= '0';
+      if columns /= 0 and right <= screen_width and unsigned(word_first(31 downto 16)) < screen_height then
+        good_place <= '1';
+      end if;
+      rows <= to_unsigned(screen_height, rows_bits) - resize(unsigned(word_first(31 downto 16)), rows_bits);
+      pixel_bytes <= (others => '0');
+      if plane = 0 then
+        pixel_bytes <= to_unsigned(colour_bytes, 3);
+      elsif plane = 1 then
+        pixel_bytes <= to_unsigned(depth_bytes, 3);
+      elsif plane < 4 then
+        pixel_bytes <= to_unsigned(edge_bytes * with_edge_map, 3);
+      end if;
+
+      pixels_there <= resize(columns, width_bits) * rows;
+      pixels_bytes <= resize(pixels, pixels_bits) * pixel_bytes;
+      good_plane <= '0';
+      if pixel_bytes /= 0 then
+        good_plane <= '1';
+      end if;
+
+      good_area <= '0';
+      if good_place = '1' and bytes /= 0 and bytes <= max_read and pixels <= max_read
+        and pixels <= pixels_there and resize(pixels_bytes, 16) >= bytes
+        and resize(pixels_bytes, 16) < bytes + pixel_bytes
+      then
+        good_area <= '1';
+      end if;
+    end if;
+  end process;
+
   opcode <= header(7 downto 0);
   number <= header(15 downto 8);
   argument <= last_word;
@@ -152,7 +215,6 @@ begin
   judge : process (clk)
     variable code : std_ulogic_vector(7 downto 0);
     variable got, behind : u_unsigned(7 downto 0);
-    variable bytes_asked : u_unsigned(15 downto 0);
     variable bad_field, sequenced : std_ulogic;
     variable why : std_ulogic_vector(7 downto 0);
   begin
@@ -176,12 +238,11 @@ begin
       sequenced := code(4);
       got := unsigned(header(15 downto 8));
       behind := next_number - got;
-      bytes_asked := unsigned(word_before(31 downto 16));
       bad_field := '0';
-      if code = opcode_read and (bytes_asked = 0 or bytes_asked > max_read) then
+      if code = opcode_read and good_area = '0' then
         bad_field := '1';
       end if;
-      if (code = opcode_read or code = opcode_frame_crc) and unsigned(last_word(31 downto 16)) > 1 then
+      if (code = opcode_read or code = opcode_frame_crc) and good_plane = '0' then
         bad_field := '1';
       end if;
       -- A rate of at most a bit in four clocks, and of more than none.

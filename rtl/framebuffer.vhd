@@ -18,7 +18,9 @@ entity framebuffer is
     width : positive := 320;
     height : positive := 240;
     coord_bits : positive := 12;
-    value_bits : positive := 24
+    value_bits : positive := 24;
+    -- 1: a memory of one port. What is read in a cycle of any pixel's writing is undefined then.
+    single_port : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -29,6 +31,8 @@ entity framebuffer is
     clear : in std_ulogic;
     clear_value : in u_unsigned(value_bits - 1 downto 0);
     busy : out std_ulogic;
+    -- No pixel is on its way, no clear in progress.
+    idle : out std_ulogic;
 
     pixel_valid : in std_ulogic;
     pixel_ready : out std_ulogic;
@@ -102,19 +106,32 @@ begin
     );
 
   busy <= closed;
+  idle <= emptied and not closed;
   pixel_ready <= not closed;
 
   write_enable <= valid_2 or filling;
   write_address <= fill_address when filling = '1' else address_2;
   write_data <= std_ulogic_vector(fill_value) when filling = '1' else std_ulogic_vector(value_2);
 
-  memory_inst : entity work.block_ram
-    generic map (num_words => num_words, data_bits => value_bits)
-    port map (
-      clk => clk,
-      write_enable => write_enable, write_address => write_address, write_data => write_data,
-      read_enable => read_enable, read_address => read_address, read_data => read_data
-    );
+  two_ports_gen : if single_port = 0 generate
+    memory_inst : entity work.block_ram
+      generic map (num_words => num_words, data_bits => value_bits)
+      port map (
+        clk => clk,
+        write_enable => write_enable, write_address => write_address, write_data => write_data,
+        read_enable => read_enable, read_address => read_address, read_data => read_data
+      );
+  end generate;
+
+  one_port_gen : if single_port = 1 generate
+    memory_inst : entity work.single_port_ram
+      generic map (num_words => num_words, data_bits => value_bits)
+      port map (
+        clk => clk,
+        write_enable => write_enable, write_address => write_address, write_data => write_data,
+        read_enable => read_enable, read_address => read_address, read_data => read_data
+      );
+  end generate;
 
   read_value <= unsigned(read_data);
 

@@ -18,6 +18,7 @@ package link_pkg is
   constant phase_bits : positive := 24;
   constant break_bits : positive := 20;
   constant max_read : positive := 1012;
+  constant edge_bytes : positive := 2;
   constant protocol_version : positive := 1;
 
   -- Opcodes; bit 7 is set in answers, bit 4 in requests that are executed once and in order.
@@ -109,7 +110,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"08d84bc5");
+    words(1) := std_ulogic_vector'(x"fd0a056b");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));

@@ -11,7 +11,7 @@ from quadshade.golden.cobs_decoder import CobsDecoder
 from quadshade.golden.cobs_encoder import encode_line
 from quadshade.golden.command_executor import Drawing, execute
 from quadshade.golden.frame_fifo import FrameFifo
-from quadshade.golden.frame_receiver import FrameReceiver, Verdict
+from quadshade.golden.frame_receiver import FrameReceiver, Reach, Verdict
 from quadshade.link.protocol import (
     ANSWER_BIT,
     COUNTERS,
@@ -24,6 +24,7 @@ from quadshade.link.protocol import (
     WORD_BYTES,
     Opcode,
     Reason,
+    plane_bytes,
 )
 
 
@@ -70,7 +71,8 @@ class CommandDecoder:
         self._begin()
 
     def _begin(self) -> None:
-        self.receiver = FrameReceiver()
+        size = (self.identity["screen_width"], self.identity["screen_height"])
+        self.receiver = FrameReceiver(Reach(*size, plane_bytes(self.identity)))
         self.fifo = FrameFifo(self.identity["fifo_words"])
         self.counts: Counter[str] = Counter()
         self._free_told = self.fifo.free

@@ -13,7 +13,6 @@ from quadshade.link.protocol import (
     MAX_BODY,
     MAX_READ,
     PHASE_BITS,
-    PLANES,
     SEQUENCES,
     WINDOW,
     Opcode,
@@ -46,9 +45,47 @@ class Verdict:
     counter: str = ""
 
 
+@dataclass(frozen=True)
+class Reach:
+    """
+    What READ and FRAME_CRC may name.
+
+    Attributes
+    ----------
+    width, height : int
+      Of the screen.
+    plane_bytes : tuple of int
+      Of a pixel in every plane; 0 where there is no such plane.
+    """
+
+    width: int = 320
+    height: int = 240
+    plane_bytes: tuple[int, ...] = (3, 2, 0, 0)
+
+    def holds(self, plane: int) -> bool:
+        """Whether there is such a plane."""
+        return plane < len(self.plane_bytes) and self.plane_bytes[plane] > 0
+
+    def holds_area(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bool:
+        """Whether READ's area is on the screen, and ``pixels`` is what ``count`` bytes need."""
+        return (
+            self.holds(plane)
+            and 1 <= count <= MAX_READ
+            and pixels == -(-count // self.plane_bytes[plane])
+            and width > 0
+            and x + width <= self.width
+            and y < self.height
+            and pixels <= width * (self.height - y)
+        )
+
+
 class FrameReceiver:
     """
     Frames in order, each once.
+
+    Parameters
+    ----------
+    reach : Reach, optional
 
     Attributes
     ----------
@@ -56,7 +93,8 @@ class FrameReceiver:
       Number of the frame that is accepted next.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, reach: Reach | None = None) -> None:
+        self.reach = reach or Reach()
         self.expected = 0
         self._previous = SEQUENCES - 1
 
@@ -88,8 +126,7 @@ class FrameReceiver:
             return Verdict(request=True)
         return self._ordered(body[1], overflow)
 
-    @staticmethod
-    def _fault(code: int, length: int, payload: bytes) -> Reason:
+    def _fault(self, code: int, length: int, payload: bytes) -> Reason:
         """What is wrong with a frame whose CRC is right."""
         if length != len(payload):
             return Reason.BAD_LENGTH
@@ -99,11 +136,13 @@ class FrameReceiver:
         if not is_length_of(opcode, length):
             return Reason.BAD_LENGTH
         fields, _ = unpack_payload(opcode, payload)
-        good = (
-            1 <= fields.get("count", 1) <= MAX_READ
-            and fields.get("plane", 0) < len(PLANES)
-            and 1 <= fields.get("phase_step", 1) <= 1 << (PHASE_BITS - 2)
-        )
+        good = True
+        if opcode is Opcode.READ:
+            good = self.reach.holds_area(**fields)
+        elif opcode is Opcode.FRAME_CRC:
+            good = self.reach.holds(fields["plane"])
+        elif opcode is Opcode.BAUD:
+            good = 1 <= fields["phase_step"] <= 1 << (PHASE_BITS - 2)
         return Reason.NONE if good else Reason.BAD_FIELD
 
     @staticmethod

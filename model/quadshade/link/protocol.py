@@ -148,8 +148,11 @@ COUNTERS = (
 )
 """STATUS: name, bits, what is counted since the last RESET. A counter wraps; on the wire it is a word."""
 
-PLANES = ("colour", "depth")
-"""What READ and FRAME_CRC can name."""
+PLANES = ("colour", "depth", "edges_diagonal", "edges_eight")
+"""What READ and FRAME_CRC can name; a board without depth or edge map refuses those planes."""
+
+EDGE_BYTES = 2
+"""A pixel of a plane of edges: the intensities from normals and from depth."""
 
 
 @dataclass(frozen=True)
@@ -179,6 +182,7 @@ class Payload:
         return self.field_bytes + self.least, self.field_bytes + self.most
 
 
+PLANE_HELP = ", ".join(f"{number} {name}" for number, name in enumerate(PLANES))
 LINK_STATE_BYTES = sum(size for _, size, _ in LINK_STATE)
 MAX_READ = MAX_PAYLOAD - LINK_STATE_BYTES
 SESSION = ("session", 4, "number that the host gave with RESET, 0 after power-up")
@@ -204,10 +208,10 @@ PAYLOADS = {
             ("width", 2, "columns; after the last one the next scanline's follow"),
             ("count", 2, f"bytes wanted, 1 to {MAX_READ}"),
             ("pixels", 2, "pixels that these are"),
-            ("plane", 2, "0 colour, 1 depth"),
+            ("plane", 2, PLANE_HELP),
         )
     ),
-    Opcode.FRAME_CRC: Payload((("reserved", 2, "0"), ("plane", 2, "0 colour, 1 depth"))),
+    Opcode.FRAME_CRC: Payload((("reserved", 2, "0"), ("plane", 2, PLANE_HELP))),
     Opcode.ACK: Payload(LINK_STATE),
     Opcode.NAK: Payload(LINK_STATE),
     Opcode.RESET_ANSWER: Payload(LINK_STATE),
@@ -333,6 +337,12 @@ def phase_step(baud: int, clk_frequency_hz: int) -> int:
     if step == 0:
         raise LinkError(f"{baud} baud is too slow at {clk_frequency_hz} Hz", "give a higher rate")
     return step
+
+
+def plane_bytes(identity: Mapping[str, int]) -> tuple[int, ...]:
+    """Bytes of a pixel in every plane of a board, by HELLO's fields; 0 where there is no such plane."""
+    edges = EDGE_BYTES * (identity["features"] >> FEATURES.index("edge_map") & 1)
+    return identity["colour_bytes"], identity["depth_bytes"], edges, edges
 
 
 def fifo_words(payload_bytes: int) -> int:

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Memory of one port against the model: every word, reads in cycles that do not write."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+import pytest
+
+from bench import SPEEDS, Bench
+from quadshade.golden.single_port_ram import SinglePortRam
+from simulation import identifier, simulate
+
+PORTS = ("write_enable", "write_address", "write_data", "read_enable", "read_address")
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``single_port_ram``."""
+
+    num_words: int = 600
+    data_bits: int = 8
+
+
+CONFIGS = [Config(), Config(num_words=2, data_bits=1)]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_single_port_ram(config: Config) -> None:
+    simulate("single_port_ram", config)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def every_cycle(dut: Any, speed: str) -> None:
+    bench = Bench(dut, Config, f"every_cycle {speed}")
+    config = bench.config
+    await bench.start(*PORTS, reset=False)
+    go = SPEEDS[speed](bench.draw)
+    model = SinglePortRam()
+    order = bench.rng.permutation(config.num_words).tolist()
+    recent = 0
+    for index in range(config.num_words + 1500):
+        filling = index < config.num_words
+        write = None
+        if filling or bench.chance(0.4):
+            address = order[index] if filling else bench.draw.randrange(config.num_words)
+            write = (address, bench.bits(config.data_bits))
+        # Both at once only now and then: what is read then is undefined.
+        reads = next(go) and (write is None or bench.chance(0.1))
+        address = recent if bench.chance(0.4) else bench.draw.randrange(config.num_words)
+        dut.write_enable.value = int(write is not None)
+        if write is not None:
+            dut.write_address.value, dut.write_data.value = write
+        dut.read_enable.value, dut.read_address.value = int(reads), address
+        await bench.edge()
+        if model.read_data is not None:
+            inputs = {"write": write, "read_address": address, "read_enable": reads}
+            bench.check("read_data", int(dut.read_data.value), model.read_data, index, inputs)
+        model.clock(write, address if reads else None)
+        if write is not None:
+            recent = write[0]
+    bench.finish(at_least=400)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole board between two bytes of its line (``rtl/board.vhd``)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from quadshade.formats import Formats
+from quadshade.golden.command_decoder import CommandDecoder
+from quadshade.golden.fast import draw_fast
+from quadshade.golden.screen import Screen
+from quadshade.link.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
+
+
+class DrawnScreen(Screen):
+    """
+    A screen with the core before it, which draws when the picture is looked at.
+
+    Parameters
+    ----------
+    width, height : int
+    formats : Formats
+    with_edge_map : bool
+
+    Attributes
+    ----------
+    words : list of int
+      Set-up words that are not drawn yet.
+    registers : dict of int
+      What STATE wrote, by address.
+    """
+
+    def __init__(self, width: int, height: int, formats: Formats, with_edge_map: bool = False) -> None:
+        self.formats = formats
+        self.words: list[int] = []
+        self.registers: dict[int, int] = {}
+        depth_bits = formats.depth_bits if formats.with_depth else None
+        super().__init__(width, height, formats.emitted_channels, depth_bits, with_edge_map)
+
+    def triangles(self, words: list[int]) -> None:
+        """Set-up words, in order; a packet may go on in the next call."""
+        self.words += words
+
+    def state(self, address: int, value: int) -> None:
+        """A word of the shading state."""
+        self.registers[address] = value
+
+    def reset(self) -> None:
+        """Forget a begun packet."""
+        self.words = []
+
+    def clear(self, colour: int) -> None:
+        """Fill the screen, empty the depth."""
+        self.words = []
+        super().clear(colour)
+
+    def draw_words(self) -> None:
+        """Draw the words that wait."""
+        words, self.words = np.array(self.words, np.uint32), []
+        if not len(words):
+            return
+        pixels = draw_fast(words, self.formats)
+        channels = self.formats.num_channels
+        depth = pixels.value[:, channels] if self.formats.with_depth else None
+        self.draw(pixels.x, pixels.y, pixels.value[:, :channels], depth)
+
+    def plane(self, plane: int) -> np.ndarray:
+        """As :meth:`Screen.plane`, of what was sent so far."""
+        self.draw_words()
+        return super().plane(plane)
+
+    def read(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
+        """READ's bytes; ``pixels`` is what the bytes need."""
+        return super().read(x, y, width, count, plane)
+
+
+class BoardModel(CommandDecoder):
+    """
+    A whole board: bytes in, bytes out.
+
+    Parameters
+    ----------
+    width, height : int
+      Of the screen.
+    formats : Formats, optional
+    clk_frequency_hz, baud, words : int
+      System clock, default rate, words of the command FIFO.
+    with_edge_map : bool
+      Whether edges can be read.
+    """
+
+    def __init__(
+        self,
+        width: int = 160,
+        height: int = 120,
+        formats: Formats | None = None,
+        clk_frequency_hz: int = 100_000_000,
+        baud: int = 1_000_000,
+        words: int = 1024,
+        with_edge_map: bool = False,
+    ) -> None:
+        formats = formats or Formats()
+        screen = DrawnScreen(width, height, formats, with_edge_map)
+        has = {"depth_test": formats.with_depth, "shade": formats.with_shade, "edge_map": with_edge_map}
+        identity = {
+            "magic": MAGIC,
+            "definition": definition_hash(),
+            "version": VERSION,
+            "num_counters": len(COUNTERS),
+            "clk_frequency_hz": clk_frequency_hz,
+            "default_phase_step": phase_step(baud, clk_frequency_hz),
+            "fifo_words": words,
+            "features": sum(bool(has.get(name)) << bit for bit, name in enumerate(FEATURES)),
+            "screen_width": width,
+            "screen_height": height,
+            "colour_bytes": formats.emitted_channels,
+            "depth_bytes": screen.depth_bytes,
+            **formats.generics(),
+        }
+        super().__init__(identity, screen)

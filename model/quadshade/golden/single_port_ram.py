@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Memory of one port, cycle by cycle (``rtl/single_port_ram.vhd``)."""
+
+from __future__ import annotations
+
+from quadshade.golden.block_ram import BlockRam
+
+
+class SinglePortRam(BlockRam):
+    """
+    Memory without initial contents, read through two registers in cycles that do not write.
+
+    Attributes
+    ----------
+    words, fetched, read_data
+      As in :class:`BlockRam`.
+    """
+
+    def clock(self, write: tuple[int, int] | None, read_address: int | None) -> None:
+        """
+        One clock edge.
+
+        Parameters
+        ----------
+        write : (int, int) or None
+          Address and word.
+        read_address : int or None
+          None if the read port is not enabled. In a cycle that writes, what is fetched is undefined.
+        """
+        super().clock(write, read_address)
+        if write is not None and read_address is not None:
+            self.fetched = None

@@ -1,0 +1,225 @@
+-- SPDX-License-Identifier: Apache-2.0
+--
+-- A board between two pins, without any vendor's cell: the serial line's commands, the core that draws, the
+-- screen that keeps the picture, and the answers. synth/boards has a top for each real board.
+--
+-- Model: board.py.  Test: test_board.py.  Latency: that of its parts.
+-- Throughput: the line's; a pixel per cycle.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use work.quadshade_pkg.all;
+use work.link_pkg.all;
+
+entity board is
+  generic (
+    num_channels : natural := default_formats.num_channels;
+    max_order : natural := default_formats.max_order;
+    with_depth : natural := default_formats.with_depth;
+    word_width : natural := default_formats.word_width;
+    frac_bits : natural := default_formats.frac_bits;
+    value_bits : natural := default_formats.value_bits;
+    depth_bits : natural := default_formats.depth_bits;
+    subpixel_bits : natural := default_formats.subpixel_bits;
+    coord_bits : natural := default_formats.coord_bits;
+    stream_width : natural := default_formats.stream_width;
+    span_depth : natural := default_formats.span_depth;
+    with_shade : natural := default_formats.with_shade;
+    num_specular : natural := default_formats.num_specular;
+    shade_guard_bits : natural := default_formats.shade_guard_bits;
+    clk_frequency_hz : positive := 100_000_000;
+    -- After power-up and after a break.
+    baud : positive := 1_000_000;
+    fifo_words : positive := 1024;
+    screen_width : positive := 320;
+    screen_height : positive := 240;
+    with_edge_map : natural := 0;
+    -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
+    single_port_memory : natural := 0
+  );
+  port (
+    clk : in std_ulogic;
+    reset : in std_ulogic;
+    rx : in std_ulogic;
+    tx : out std_ulogic;
+    -- 0 a good frame came, 1 something was drawn, 2 a frame was damaged or refused, 3 something was sent: each
+    -- in the last sixteenth of a second.
+    led : out std_ulogic_vector(7 downto 0)
+  );
+end entity;
+
+architecture rtl of board is
+
+  constant formats : formats_t := (
+    num_channels, max_order, with_depth, word_width, frac_bits, value_bits, depth_bits, subpixel_bits,
+    coord_bits, stream_width, span_depth, with_shade, num_specular, shade_guard_bits
+  );
+  constant colours : positive := emitted_channels(formats);
+  constant depth_bytes : natural := with_depth * ((depth_bits + 7) / 8);
+  constant features : natural :=
+    with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map;
+
+  -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
+  function phase_step_of(rate : positive; frequency : positive) return natural is
+    variable rest : natural := rate;
+    variable quotient : natural := 0;
+  begin
+    for index in 0 to phase_bits loop
+      rest := 2 * rest;
+      quotient := 2 * quotient;
+      if rest >= frequency then
+        rest := rest - frequency;
+        quotient := quotient + 1;
+      end if;
+    end loop;
+    return (quotient + 1) / 2;
+  end function;
+
+  constant num_lights : positive := 4;
+  constant tick_cycles : positive := clk_frequency_hz / 16 + 1;
+
+  signal line_valid, line_error, break_seen, send_valid, send_ready, send_busy : std_ulogic;
+  signal line_data, send_data : std_ulogic_vector(7 downto 0);
+  signal phase_step : u_unsigned(phase_bits - 1 downto 0);
+
+  signal link_reset, core_reset, everything_idle : std_ulogic;
+  signal setup_valid, setup_ready : std_ulogic;
+  signal setup_data : std_ulogic_vector(31 downto 0);
+
+  signal drawn_valid, drawn_ready, drawn_last, drawing_done, pixel_done, primitive_done : std_ulogic;
+  signal drawn_x, drawn_y : u_unsigned(coord_bits - 1 downto 0);
+  signal drawn_value : u_unsigned(8 * colours - 1 downto 0);
+  signal drawn_depth : u_unsigned(depth_bits - 1 downto 0);
+
+  signal picture_idle, clear_valid, clear_ready, read_valid, read_ready : std_ulogic;
+  signal clear_colour : std_ulogic_vector(31 downto 0);
+  signal read_x, read_y, read_width, read_count : u_unsigned(15 downto 0);
+  signal read_plane, crc_plane : u_unsigned(1 downto 0);
+  signal bytes_valid, bytes_ready, crc_valid, crc_ready, crc_done : std_ulogic;
+  signal bytes_data : std_ulogic_vector(7 downto 0);
+  signal crc_value : std_ulogic_vector(31 downto 0);
+
+  signal frame_seen, fault_seen : std_ulogic;
+  signal events, seen, lights : std_ulogic_vector(num_lights - 1 downto 0) := (others => '0');
+  signal ticks : natural range 0 to tick_cycles - 1 := 0;
+
+begin
+
+  assert value_bits = 8
+    report "board: value_bits is " & integer'image(value_bits) & ", must be 8: a channel is a byte"
+    severity failure;
+  assert stream_width = 32
+    report "board: stream_width is " & integer'image(stream_width) & ", the line gives 32 bits at a time"
+    severity failure;
+  assert baud <= clk_frequency_hz / 4 and clk_frequency_hz < 2**30
+    report "board: " & integer'image(baud) & " baud at " & integer'image(clk_frequency_hz)
+      & " Hz, must be at least four clocks a bit, and less than 2**30 Hz"
+    severity failure;
+
+  receiver : entity work.uart_rx
+    port map (
+      clk => clk, reset => reset, phase_step => phase_step, rx => rx,
+      byte_valid => line_valid, byte_data => line_data, framing_error => line_error, break_seen => break_seen
+    );
+
+  transmitter : entity work.uart_tx
+    port map (
+      clk => clk, reset => reset, phase_step => phase_step,
+      byte_valid => send_valid, byte_ready => send_ready, byte_data => send_data, busy => send_busy, tx => tx
+    );
+
+  decoder : entity work.command_decoder
+    generic map (
+      num_channels => num_channels, max_order => max_order, with_depth => with_depth,
+      word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
+      subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
+      span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
+      shade_guard_bits => shade_guard_bits,
+      clk_frequency_hz => clk_frequency_hz, default_phase_step => phase_step_of(baud, clk_frequency_hz),
+      fifo_words => fifo_words, features => features,
+      screen_width => screen_width, screen_height => screen_height, colour_bytes => colours,
+      depth_bytes => depth_bytes
+    )
+    port map (
+      clk => clk, reset => reset,
+      line_valid => line_valid, line_data => line_data, line_error => line_error, break_seen => break_seen,
+      send_valid => send_valid, send_ready => send_ready, send_data => send_data, send_busy => send_busy,
+      phase_step => phase_step,
+      core_reset => link_reset, core_idle => everything_idle,
+      pixel_done => pixel_done, primitive_done => primitive_done,
+      frame_seen => frame_seen, fault_seen => fault_seen,
+      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      state_valid => open, state_ready => '1', state_address => open, state_data => open,
+      clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+      read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
+      read_width => read_width, read_count => read_count, read_pixels => open, read_plane => read_plane,
+      read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
+      frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
+      frame_crc_done => crc_done, frame_crc_value => crc_value
+    );
+
+  core_reset <= reset or link_reset;
+  everything_idle <= drawing_done and picture_idle;
+
+  core : entity work.raster_core
+    generic map (
+      num_channels => num_channels, max_order => max_order, with_depth => with_depth,
+      word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
+      subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
+      span_depth => span_depth
+    )
+    port map (
+      clk => clk, reset => core_reset,
+      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_last => drawn_last,
+      pixel_x => drawn_x, pixel_y => drawn_y, pixel_value => drawn_value, pixel_depth => drawn_depth,
+      idle => drawing_done
+    );
+
+  pixel_done <= drawn_valid and drawn_ready;
+  primitive_done <= pixel_done and drawn_last;
+
+  picture : entity work.screen
+    generic map (
+      width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
+      with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
+      single_port_memory => single_port_memory
+    )
+    port map (
+      clk => clk, reset => reset, read_reset => link_reset, idle => picture_idle,
+      clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+      pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
+      pixel_value => drawn_value, pixel_depth => drawn_depth,
+      read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
+      read_width => read_width, read_count => read_count, read_plane => read_plane,
+      read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
+      frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
+      frame_crc_done => crc_done, frame_crc_value => crc_value
+    );
+
+  -- Lights: what happened since the last tick but one.
+  events <= (send_busy, fault_seen, not drawing_done, frame_seen);
+
+  show : process (clk)
+  begin
+    if rising_edge(clk) then
+      seen <= seen or events;
+      if ticks /= tick_cycles - 1 then
+        ticks <= ticks + 1;
+      else
+        ticks <= 0;
+        lights <= seen;
+        seen <= events;
+      end if;
+      if reset = '1' then
+        seen <= (others => '0');
+        lights <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+  led <= std_ulogic_vector(resize(unsigned(lights), 8));
+
+end architecture;
