@@ -104,7 +104,7 @@ readme: setup ## run the demo and write the README's picture and tables
 	@$(VENV) scripts/readme.py
 
 .PHONY: rtl
-rtl: setup ## write rtl/quadshade_pkg.vhd and rtl/link_pkg.vhd from their Python sources
+rtl: setup ## write rtl/quadshade_pkg.vhd, link_pkg.vhd, packed_pkg.vhd from their Python sources
 	@$(VENV) scripts/generate_vhdl.py
 
 .PHONY: format

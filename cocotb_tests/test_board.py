@@ -22,10 +22,10 @@ from quadshade.golden.board import BoardModel
 from quadshade.golden.fast import draw_fast
 from quadshade.golden.frame_receiver import Reach
 from quadshade.link.frames import FrameParser, enclosed
+from quadshade.link.packing import pack_primitives, unpack
 from quadshade.link.picture import read_picture
 from quadshade.link.protocol import LinkError, Opcode, pack_payload, plane_bytes
 from quadshade.link.session import Session
-from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from simulation import identifier, simulate
 
@@ -105,7 +105,7 @@ def scene_words(bench: Bench, count: int) -> np.ndarray:
     """(m,) uint32: triangles of every kind over each other, in packets."""
     config = bench.config
     triangles = triangles_of(config.formats, bench.rng, count, config.screen_height + 2)
-    return pack(setup_triangles(triangles, config.formats), config.formats)
+    return pack_primitives(setup_triangles(triangles, config.formats), config.formats).words
 
 
 @cocotb.test(timeout_time=60, timeout_unit="ms")
@@ -127,7 +127,7 @@ async def scenes(dut: Any) -> None:
             session.triangles(words)
             drawing.clear(colour)
             drawing.triangles(words.tolist())
-            pixels = draw_fast(words, bench.config.formats)
+            pixels = draw_fast(unpack(words, bench.config.formats), bench.config.formats)
             drawn.update(pixels=len(pixels.x), primitives=len(np.unique(pixels.packet)))
             if index == 0:
                 picture = read_picture(session)

@@ -85,8 +85,8 @@ architecture rtl of board is
   signal phase_step : u_unsigned(phase_bits - 1 downto 0);
 
   signal link_reset, core_reset, everything_idle : std_ulogic;
-  signal setup_valid, setup_ready : std_ulogic;
-  signal setup_data : std_ulogic_vector(31 downto 0);
+  signal packed_valid, packed_ready, unpacking, setup_valid, setup_ready, core_done : std_ulogic;
+  signal packed_data, setup_data : std_ulogic_vector(31 downto 0);
 
   signal drawn_valid, drawn_ready, drawn_last, drawing_done, pixel_done, primitive_done : std_ulogic;
   signal drawn_x, drawn_y : u_unsigned(coord_bits - 1 downto 0);
@@ -150,7 +150,7 @@ begin
       core_reset => link_reset, core_idle => everything_idle,
       pixel_done => pixel_done, primitive_done => primitive_done,
       frame_seen => frame_seen, fault_seen => fault_seen,
-      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      setup_valid => packed_valid, setup_ready => packed_ready, setup_data => packed_data,
       state_valid => open, state_ready => '1', state_address => open, state_data => open,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
@@ -161,7 +161,20 @@ begin
     );
 
   core_reset <= reset or link_reset;
+  drawing_done <= core_done and not unpacking;
   everything_idle <= drawing_done and picture_idle;
+
+  unpacker : entity work.word_unpacker
+    generic map (
+      num_channels => num_channels, max_order => max_order, with_depth => with_depth,
+      word_width => word_width, subpixel_bits => subpixel_bits, coord_bits => coord_bits,
+      stream_width => stream_width, with_shade => with_shade, num_specular => num_specular
+    )
+    port map (
+      clk => clk, reset => core_reset,
+      packed_valid => packed_valid, packed_ready => packed_ready, packed_data => packed_data,
+      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data, busy => unpacking
+    );
 
   core : entity work.raster_core
     generic map (
@@ -175,7 +188,7 @@ begin
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_last => drawn_last,
       pixel_x => drawn_x, pixel_y => drawn_y, pixel_value => drawn_value, pixel_depth => drawn_depth,
-      idle => drawing_done
+      idle => core_done
     );
 
   pixel_done <= drawn_valid and drawn_ready;
@@ -200,7 +213,7 @@ begin
     );
 
   -- Lights: what happened since the last tick but one.
-  events <= (send_busy, fault_seen, not drawing_done, frame_seen);
+  events <= (send_busy, fault_seen, not core_done, frame_seen);
 
   show : process (clk)
   begin

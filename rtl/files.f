@@ -2,6 +2,7 @@
 # All RTL, bottom-up; every tool reads this list.
 rtl/quadshade_pkg.vhd
 rtl/link_pkg.vhd
+rtl/packed_pkg.vhd
 rtl/screen_pkg.vhd
 rtl/block_ram.vhd
 rtl/single_port_ram.vhd
@@ -15,6 +16,7 @@ rtl/frame_receiver.vhd
 rtl/answer_sender.vhd
 rtl/command_executor.vhd
 rtl/command_decoder.vhd
+rtl/word_unpacker.vhd
 rtl/skid_buffer.vhd
 rtl/setup_loader.vhd
 rtl/edge_dda.vhd

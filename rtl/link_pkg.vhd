@@ -110,7 +110,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"fd0a056b");
+    words(1) := std_ulogic_vector'(x"f1dcd3ee");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """
 Write ``rtl/quadshade_pkg.vhd`` from ``quadshade.formats``, the one source of every number format, and
-``rtl/link_pkg.vhd`` from ``quadshade.link.protocol``, that of the serial link.
+``rtl/link_pkg.vhd`` from ``quadshade.link.protocol``, that of the serial link, and ``rtl/packed_pkg.vhd``
+from ``quadshade.packed_format``, that of the packets on it.
 
 ``--check`` writes nothing and exits with code 1 if a file in the tree is not what would be written.
 """
@@ -16,6 +17,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import generate_link
+import generate_packed
 from quadshade import formats
 
 RTL = Path(__file__).resolve().parent.parent / "rtl"
@@ -193,7 +195,12 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if a file is out of date")
     arguments = parser.parse_args()
     code = 0
-    for name, text in (("quadshade_pkg.vhd", package()), ("link_pkg.vhd", generate_link.package())):
+    packages = {
+        "quadshade_pkg.vhd": package(),
+        "link_pkg.vhd": generate_link.package(),
+        "packed_pkg.vhd": generate_packed.package(vhdl_expression),
+    }
+    for name, text in packages.items():
         path = RTL / name
         if path.exists() and path.read_text() == text:
             continue

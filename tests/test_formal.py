@@ -40,7 +40,7 @@ def test_files_are_in_the_table() -> None:
 
 
 def test_every_stateful_unit_is_proved() -> None:
-    packages = {"quadshade_pkg", "link_pkg", "screen_pkg"}
+    packages = {"quadshade_pkg", "link_pkg", "packed_pkg", "screen_pkg"}
     units = {path.stem for path in (formal.ROOT / "rtl").glob("*.vhd")} - packages - {"output_clamp"}
     proved = {unit for proof in PROOFS.values() for unit in proof.units}
     # Inside the core, and there only: the lanes are compared with each other. A fill is proved
@@ -49,7 +49,7 @@ def test_every_stateful_unit_is_proved() -> None:
     # Compared with their models in every cycle, and with an independent peer.
     tested = {"uart_rx", "uart_tx", "cobs_encoder"}
     # Compared with their models: behind the frame receiver, which lets only what is right pass.
-    tested |= {"frame_fifo", "answer_sender", "command_executor", "command_decoder"}
+    tested |= {"frame_fifo", "answer_sender", "command_executor", "command_decoder", "word_unpacker"}
     assert units - proved == inside | tested
 
 

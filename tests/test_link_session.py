@@ -15,12 +15,12 @@ import pytest
 from quadshade.formats import Formats
 from quadshade.link.board_model import BoardModel
 from quadshade.link.faults import FaultInjector
+from quadshade.link.packing import pack_primitives
 from quadshade.link.picture import read_picture
 from quadshade.link.protocol import LinkError, Opcode, Reason
 from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport, SerialTransport, open_transport
 from quadshade.scene import load_scene, parse_camera, project
-from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample
 
@@ -29,12 +29,12 @@ WIDTH, HEIGHT = 40, 30
 
 @pytest.fixture(scope="module")
 def words() -> np.ndarray:
-    """Set-up words of a sphere."""
+    """Packed words of a sphere."""
     formats = Formats()
     mesh = load_scene("sphere:168")
     projected = project(mesh, parse_camera("", mesh), WIDTH, HEIGHT, formats)
     triangles = sample(projected, "quadratic", DEFAULT_LIGHTS, Material(), formats)
-    return pack(setup_triangles(triangles, formats), formats)
+    return pack_primitives(setup_triangles(triangles, formats), formats, 0.0).words
 
 
 def undamaged(words: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from quadshade.formats import Formats
 from quadshade.golden.command_decoder import CommandDecoder
 from quadshade.golden.fast import draw_fast
 from quadshade.golden.screen import Screen
+from quadshade.golden.word_unpacker import WordUnpacker
 from quadshade.link.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
 
 
@@ -25,7 +26,7 @@ class DrawnScreen(Screen):
     Attributes
     ----------
     words : list of int
-      Set-up words that are not drawn yet.
+      Packed words that are not drawn yet.
     registers : dict of int
       What STATE wrote, by address.
     """
@@ -33,12 +34,13 @@ class DrawnScreen(Screen):
     def __init__(self, width: int, height: int, formats: Formats, with_edge_map: bool = False) -> None:
         self.formats = formats
         self.words: list[int] = []
+        self.unpacker = WordUnpacker(formats)
         self.registers: dict[int, int] = {}
         depth_bits = formats.depth_bits if formats.with_depth else None
         super().__init__(width, height, formats.emitted_channels, depth_bits, with_edge_map)
 
     def triangles(self, words: list[int]) -> None:
-        """Set-up words, in order; a packet may go on in the next call."""
+        """Packed words, in order; a packet may go on in the next call."""
         self.words += words
 
     def state(self, address: int, value: int) -> None:
@@ -48,15 +50,21 @@ class DrawnScreen(Screen):
     def reset(self) -> None:
         """Forget a begun packet."""
         self.words = []
+        self.unpacker.reset()
 
     def clear(self, colour: int) -> None:
         """Fill the screen, empty the depth."""
-        self.words = []
+        self.unpacked()
         super().clear(colour)
+
+    def unpacked(self) -> np.ndarray:
+        """(m,) uint32: set-up words of the words that wait, which are then gone."""
+        words, self.words = np.array(self.words, np.uint32), []
+        return self.unpacker.feed(words)
 
     def draw_words(self) -> None:
         """Draw the words that wait."""
-        words, self.words = np.array(self.words, np.uint32), []
+        words = self.unpacked()
         if not len(words):
             return
         pixels = draw_fast(words, self.formats)

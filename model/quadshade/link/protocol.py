@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
-from quadshade import formats
+from quadshade import formats, packed_format
 from quadshade.errors import QuadshadeError
 
 VERSION = 1
@@ -240,6 +240,9 @@ def definition_text() -> str:
         ("sections", tuple((name, _numbers(section)) for name, section in formats.SECTIONS)),
         ("planes", formats.PLANES),
         ("planes_of_order", formats.PLANES_OF_ORDER),
+        ("packed", (packed_format.FIELD_KINDS, packed_format.RAW_FIELDS, packed_format.FILLS)),
+        ("channel_kinds", packed_format.CHANNEL_KINDS),
+        ("widths", (packed_format.KIND_WIDTHS, packed_format.FIELD_WIDTHS, packed_format.SIZES)),
         ("generics", tuple(field.name for field in fields(formats.Formats))),
         ("protocol", (VERSION, HEADER_FIELDS, CRC_BYTES, MAX_BODY, PHASE_BITS, BREAK_BITS)),
         ("reasons", tuple((reason.name, int(reason)) for reason in Reason)),

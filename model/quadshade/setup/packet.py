@@ -56,7 +56,7 @@ class Primitives:
         return len(self.triangle)
 
 
-def _field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndarray:
+def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndarray:
     """Raw value of a packet field for every primitive."""
     if name == "orders":
         shifts = 2 * np.arange(formats.carried_channels)
@@ -155,7 +155,7 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
         (
             formats.section_beats(section) * formats.stream_lanes,
             [
-                (_field_values(primitives, name, formats), *place)
+                (field_values(primitives, name, formats), *place)
                 for name, place in formats.section(section).items()
             ],
         )

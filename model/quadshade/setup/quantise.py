@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.formats import CONSTANT, QUADRATIC
+from quadshade.formats import CONSTANT, PLANES_OF_ORDER, QUADRATIC
 from quadshade.setup.edges import (
     COLUMN,
     HEIGHT,
@@ -45,6 +45,9 @@ _MM, _MN, _NN, _ALONG_M, _ALONG_N, _AA, _AB, _AC, _BB, _BC, _CC, FIT_FIELDS = (
     15,
 )
 SAMPLE_POINTS = 11
+HALF_RANGE = 1.75
+"""Half a range over the sample points' standard deviation: that of an even distribution, about."""
+LEAST_SPREAD = 2.0**-6
 
 OUTWARD = 2.0**-30
 """
@@ -250,3 +253,82 @@ def carried_error(m, n, errors):
     """Most that errors of the single words (float64 set-up) make at a pixel: E with every term positive."""
     down = m * (errors[1] + 0.5 * max(m - 1.0, 0.0) * errors[3])
     return errors[0] + down + max(n, 0.0) * (errors[2] + m * errors[4] + 0.5 * (n + 1.0) * errors[5])
+
+
+@njit(cache=True, error_model="numpy")
+def plane_spreads(fit, spreads):
+    """
+    Bits by which a unit of each plane weighs more than one of the value (written, (6,) float64).
+
+    Half the range over the primitive of what the plane is multiplied by: for the second differences, of what
+    is left of it after a fitted plane, because d_row and d_col take that away.
+    """
+    spreads[0] = 0.0
+    for plane, square in (
+        (1, fit[_MM]), (2, fit[_NN]), (3, fit[_AA]), (4, fit[_BB]), (5, fit[_CC]),
+    ):  # fmt: skip
+        half_range = HALF_RANGE * np.sqrt(max(square, 0.0) / SAMPLE_POINTS)
+        spreads[plane] = np.log2(max(half_range, LEAST_SPREAD)) + 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
+    """
+    Round a channel's words jointly, each plane to its own multiple of a unit.
+
+    Parameters
+    ----------
+    words : (6,) int64
+    shifts : (6,) int64
+      Each word becomes a multiple of 2**shift.
+    order : int
+    corners, count, fit
+      From :func:`region` and :func:`fit_planes`.
+    scaled : (FIT_FIELDS,) float64, off : (6,) float64, both written
+    out : (6,) int64, written
+      The words, which a carry may have taken one bit beyond their width.
+
+    Returns
+    -------
+    float
+      Bound of what this adds to the error at any pixel of the primitive, in units of the last place.
+    """
+    used = PLANES_OF_ORDER[order]
+    for plane in range(6):
+        unit = np.int64(1) << shifts[plane]
+        off[plane] = out[plane] = 0
+        if plane < used:
+            out[plane] = (words[plane] >> shifts[plane]) << shifts[plane]
+            # What is above the floor, in units.
+            off[plane] = (words[plane] - out[plane]) / unit
+    fraction = (off[0], off[1], off[2], off[3], off[4], off[5])
+    size = (
+        2.0 ** shifts[0], 2.0 ** shifts[1], 2.0 ** shifts[2], 2.0 ** shifts[3], 2.0 ** shifts[4],
+        2.0 ** shifts[5],
+    )  # fmt: skip
+    for plane in range(6):
+        off[plane] = np.floor(fraction[plane] + 0.5) - fraction[plane]
+    if order == QUADRATIC:
+        scaled[_AA], scaled[_AB] = fit[_AA] * size[3] * size[3], fit[_AB] * size[3] * size[4]
+        scaled[_AC], scaled[_BB] = fit[_AC] * size[3] * size[5], fit[_BB] * size[4] * size[4]
+        scaled[_BC], scaled[_CC] = fit[_BC] * size[4] * size[5], fit[_CC] * size[5] * size[5]
+        _second_differences(fraction, scaled, off)
+    for plane in range(6):
+        off[plane] *= size[plane]
+    least = greatest = 0.0
+    if order != CONSTANT:
+        want_m = want_n = 0.0
+        for i in range(3):
+            want_m -= fit[_ALONG_M + i] * off[3 + i]
+            want_n -= fit[_ALONG_N + i] * off[3 + i]
+        if fit[_MM] > 0.0:
+            off[1] = (np.floor(fraction[1] + want_m / size[1] + 0.5) - fraction[1]) * size[1]
+            want_n -= (off[1] - want_m) * fit[_MN] / max(fit[_NN], 1e-9)
+        if fit[_NN] > 0.0:
+            off[2] = (np.floor(fraction[2] + want_n / size[2] + 0.5) - fraction[2]) * size[2]
+        least, greatest = _extremes(corners, count, off)
+    off[0] = (np.floor(fraction[0] - 0.5 * (least + greatest) / size[0] + 0.5) - fraction[0]) * size[0]
+    for plane in range(used):
+        out[plane] += np.int64(np.rint(fraction[plane] + off[plane] / size[plane])) << shifts[plane]
+    bound = max(abs(off[0] + least), abs(off[0] + greatest))
+    return bound * (1.0 + 2.0**-20) + (SLACK if bound > 0.0 else 0.0)

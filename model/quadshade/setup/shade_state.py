@@ -151,6 +151,34 @@ def power_curve(exponent: float) -> Curve:
     return lambda cosine: cosine**exponent
 
 
+def channel_gains(state: ShadeState, formats: Formats) -> np.ndarray:
+    """
+    What the shade unit makes of an error in a channel.
+
+    Parameters
+    ----------
+    state : ShadeState
+    formats : Formats
+
+    Returns
+    -------
+    (num_channels,) float64
+      Most output units of a colour for one of the channel: its largest coefficient, times the steepest slope
+      of its power table.
+    """
+    gains = state.coefficients.max(axis=1) / (1 << COEFFICIENT_FRAC_BITS)
+    first = formats.num_channels - formats.num_specular
+    distances = -np.diff(table_places(formats))
+    full = ((1 << formats.value_bits) - 1) << (POWER_BITS - formats.value_bits)
+    for number, table in enumerate(state.tables.astype(np.int64)):
+        if not state.linear >> number & 1:
+            rise = np.abs((table >> POWER_BITS) - (table & ((1 << POWER_BITS) - 1))) / full
+            # The last interval may be cut at a cosine of 0.
+            slopes = rise[:-1] / distances[: len(table) - 1]
+            gains[first + number] *= slopes.max(initial=0.0)
+    return gains
+
+
 def shade_state(
     formats: Formats,
     ambient: Sequence[float],
