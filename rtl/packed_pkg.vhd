@@ -2,7 +2,7 @@
 --
 -- The packed stream: kinds of fields and of channels, and where their widths are.
 --
--- Written by scripts/generate_vhdl.py from model/quadshade/packed_format.py: change it there, then `make rtl`.
+-- Written by scripts/generate_vhdl.py from model/quadshade/packed_format.py: change it there, `make rtl`.
 
 use work.quadshade_pkg.all;
 

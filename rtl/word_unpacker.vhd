@@ -5,7 +5,7 @@
 --   packet = start bit, changed widths, 3 flags, orders or the last ones, fields, planes channel by channel
 --
 -- Model: word_unpacker.py.  Test: test_word_unpacker.py.
--- Latency: 1 cycle from a lane's last bit. Throughput: about 36 cycles per lane of 32 bits, for lines are slow.
+-- Latency: 1 cycle from a lane's last bit. Throughput: about 36 cycles per lane of 32 bits; lines are slow.
 -- A packet ends after a bounded number of bits whatever they say; zeros between packets are skipped.
 
 library ieee;
@@ -47,17 +47,17 @@ end entity;
 
 architecture rtl of word_unpacker is
 
+  -- What is not a generic here does not matter.
   constant formats : formats_t := (
-    num_channels => num_channels, max_order => max_order, with_depth => with_depth,
-    word_width => word_width, frac_bits => 4, value_bits => 4, depth_bits => 1,
-    subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
-    span_depth => 1, with_shade => with_shade, num_specular => num_specular, shade_guard_bits => 4
+    num_channels, max_order, with_depth, word_width, 4, 4, 1, subpixel_bits, coord_bits, stream_width, 1,
+    with_shade, num_specular, 4
   );
   constant carried : positive := carried_channels(formats);
   -- A position within a field is a number of a bit, as a width is.
   constant width_size : positive := width_bits(formats);
   constant address_size : positive := width_address_bits(formats);
   constant num_addresses : positive := 2 ** address_size;
+  constant change_size : positive := address_size + width_size;
   constant num_orders : positive := 2 * carried;
 
   subtype position_t is u_unsigned(width_size - 1 downto 0);
@@ -99,7 +99,7 @@ architecture rtl of word_unpacker is
   constant fills_sign : fills_t := has_fill(fill_sign);
 
   type step_t is (
-    clearing, waiting, listing, addressing, measuring, storing, flagging, asking, ordering,
+    clearing, waiting, listing, changing, storing, flagging, asking, ordering,
     fetching, reading, running, padding
   );
 
@@ -108,8 +108,8 @@ architecture rtl of word_unpacker is
     -- The next bit of packed_data.
     index : u_unsigned(4 downto 0);
     position : position_t;
-    address : address_t;
-    width : position_t;
+    -- A width's address, and above it the width.
+    change : u_unsigned(change_size - 1 downto 0);
     changes : address_t;
     has_second : std_ulogic;
     same : std_ulogic;
@@ -127,26 +127,20 @@ architecture rtl of word_unpacker is
   end record;
 
   constant state_init : state_t := (
-    step => clearing,
-    index => (others => '0'), position => (others => '0'), address => (others => '0'),
-    width => (others => '0'), changes => (others => '0'), has_second => '0', same => '0',
-    orders => (others => '0'), in_words => '0', part => (others => '0'), group_index => (others => '0'),
-    below => (others => '0'), fill => '0', lane_bit => (others => '0'), full => '0'
+    clearing, (others => '0'), (others => '0'), (others => '0'), (others => '0'), '0', '0', (others => '0'),
+    '0', (others => '0'), (others => '0'), (others => '0'), '0', (others => '0'), '0'
   );
 
   type widths_t is array (0 to num_addresses - 1) of position_t;
   signal widths : widths_t;
   signal fetched : position_t;
-  signal read_address : address_t;
-  signal write_enable : std_ulogic;
+  signal address, read_address : address_t;
   signal write_data : position_t;
 
   signal state : state_t := state_init;
   signal state_next : state_t;
   signal lane : std_ulogic_vector(lane_bits - 1 downto 0) := (others => '0');
-  signal give, given : std_ulogic;
-  -- Of the channel whose turn it is.
-  signal kind_base : address_t;
+  signal write_enable, give, given : std_ulogic;
   signal last_plane : u_unsigned(2 downto 0);
 
 begin
@@ -160,18 +154,21 @@ begin
 
   setup_valid <= state.full;
   setup_data <= lane;
+  address <= state.change(address_size - 1 downto 0);
   busy <= '0' when state.step = waiting and state.full = '0' else '1';
 
+  -- Of the channel whose turn it is; the address of a width.
   channel : process (all)
     variable is_depth : boolean;
+    variable kind_base : address_t;
   begin
     is_depth := with_depth = 1 and state.group_index = num_channels;
-    kind_base <= to_unsigned(kind_widths * kind_colour, address_size);
+    kind_base := to_unsigned(kind_widths * kind_colour, address_size);
     if is_depth then
-      kind_base <= to_unsigned(kind_widths * kind_depth, address_size);
+      kind_base := to_unsigned(kind_widths * kind_depth, address_size);
     elsif with_shade = 1 and state.group_index >= num_channels - num_specular then
       -- Without shade there is no such address.
-      kind_base <= to_unsigned((kind_widths * kind_specular) mod num_addresses, address_size);
+      kind_base := to_unsigned((kind_widths * kind_specular) mod num_addresses, address_size);
     end if;
     last_plane <= to_unsigned(planes_of_order(order_constant) - 1, 3);
     if max_order >= 2 and state.orders(1) = '1' and not is_depth then
@@ -179,17 +176,11 @@ begin
     elsif (max_order >= 1 or is_depth) and (state.orders(1) = '1' or state.orders(0) = '1') then
       last_plane <= to_unsigned(planes_of_order(order_linear) - 1, 3);
     end if;
-  end process;
-
-  place : process (all)
-  begin
     read_address <= to_unsigned(field_widths, address_size) + state.part;
     if state.in_words = '1' then
-      read_address <= kind_base;
-      read_address(3 downto 1) <= state.part;
-      read_address(0) <= '1';
+      read_address <= kind_base + (state.part & '1');
       if state.step = fetching then
-        read_address(0) <= '0';
+        read_address <= kind_base + (state.part & '0');
       end if;
     end if;
   end process;
@@ -206,67 +197,48 @@ begin
     give <= '0';
     given <= line_bit;
     write_enable <= '0';
-    write_data <= state.width;
-    if setup_ready = '1' then
-      v.full := '0';
-    end if;
-
+    write_data <= state.change(change_size - 1 downto address_size);
+    v.full := state.full and not setup_ready;
     sent := '0';
     if state.position >= state.below and state.position <= fetched then
       sent := '1';
     end if;
     field_kind := num_packed_kinds;
-    if state.in_words = '0' and state.part /= num_packed_kinds then
+    if state.in_words = '0' then
       field_kind := to_integer(state.part);
     end if;
-
     -- A case would be a latch in GHDL's netlist: not every code is a step.
     if state.step = clearing then
       write_enable <= '1';
       write_data <= (others => '0');
-      v.address := state.address + 1;
-      if state.address = num_addresses - 1 then
+      v.change(address_size - 1 downto 0) := address + 1;
+      if address = num_addresses - 1 then
         v.step := waiting;
       end if;
-
     elsif state.step = waiting then
       take := packed_valid;
       v.changes := (others => '0');
       if packed_valid = '1' and line_bit = '1' then
         v.step := listing;
       end if;
-
     elsif state.step = listing then
       take := packed_valid;
       v.position := (others => '0');
       if packed_valid = '1' then
         v.step := flagging;
         if line_bit = '1' then
-          v.step := addressing;
+          v.step := changing;
         end if;
       end if;
-
-    elsif state.step = addressing then
+    elsif state.step = changing then
       take := packed_valid;
       if packed_valid = '1' then
-        v.address := line_bit & state.address(address_size - 1 downto 1);
+        v.change := line_bit & state.change(change_size - 1 downto 1);
         v.position := state.position + 1;
-        if state.position = address_size - 1 then
-          v.position := (others => '0');
-          v.step := measuring;
-        end if;
-      end if;
-
-    elsif state.step = measuring then
-      take := packed_valid;
-      if packed_valid = '1' then
-        v.width := line_bit & state.width(width_size - 1 downto 1);
-        v.position := state.position + 1;
-        if state.position = width_size - 1 then
+        if state.position = change_size - 1 then
           v.step := storing;
         end if;
       end if;
-
     elsif state.step = storing then
       write_enable <= '1';
       v.changes := state.changes + 1;
@@ -275,7 +247,6 @@ begin
       if state.changes = num_addresses - 1 then
         v.step := flagging;
       end if;
-
     elsif state.step = flagging then
       take := packed_valid and room;
       give <= packed_valid and room;
@@ -288,7 +259,6 @@ begin
           v.step := asking;
         end if;
       end if;
-
     elsif state.step = asking then
       take := packed_valid;
       v.same := line_bit;
@@ -299,7 +269,6 @@ begin
       if packed_valid = '1' then
         v.step := ordering;
       end if;
-
     elsif state.step = ordering then
       if state.same = '1' then
         given <= state.orders(0);
@@ -309,17 +278,15 @@ begin
         give <= '1';
         v.orders := line_bit & state.orders(num_orders - 1 downto 1);
         if state.same = '1' then
-          v.orders(num_orders - 1) := state.orders(0);
+          v.orders := state.orders(0) & state.orders(num_orders - 1 downto 1);
         end if;
         v.position := state.position + 1;
         if state.position = num_orders - 1 then
           v.step := reading;
         end if;
       end if;
-
     elsif state.step = fetching then
       v.step := reading;
-
     elsif state.step = reading then
       v.position := (others => '0');
       v.below := (others => '0');
@@ -330,7 +297,6 @@ begin
         v.fill := '1';
       end if;
       v.step := running;
-
     elsif state.step = running then
       given <= state.fill;
       if sent = '1' then
@@ -366,7 +332,6 @@ begin
           end if;
         end if;
       end if;
-
     elsif state.step = padding then
       given <= '0';
       if state.lane_bit /= 0 then
@@ -425,7 +390,7 @@ begin
   begin
     if rising_edge(clk) then
       if write_enable = '1' then
-        widths(to_integer(state.address)) <= write_data;
+        widths(to_integer(address)) <= write_data;
       end if;
       fetched <= widths(to_integer(read_address));
     end if;

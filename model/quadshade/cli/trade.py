@@ -12,7 +12,8 @@ import click
 
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import GENERICS_EPILOG, generic_option, parse_generics
-from quadshade.cli.render import _parse_size, render
+from quadshade.cli.render import render
+from quadshade.cli.scene_options import parse_size
 from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
@@ -115,7 +116,7 @@ def trade(
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
         raise QuadshadeError(f"generic num_channels is {base.num_channels}", "a picture needs 3")
-    width, height = _parse_size(size)
+    width, height = parse_size(size)
     view = View(scene, width, height, camera, light_texts, material, exponent, crease, cull)
     divisions = _words(subdivisions)
     usual = DEFAULT_SHADINGS if WHOLE in divisions else SHADINGS

@@ -8,7 +8,7 @@ changed, and so do the channels' orders; reset forgets both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numba import njit
@@ -180,23 +180,30 @@ class WordUnpacker:
         self._skip = 0
         self.within, self.begun = False, []
 
-    def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
+    @property
+    def widths(self) -> list[int]:
+        """Widths by address, as the packets so far have left them."""
+        return self._widths.tolist()
+
+    def packets(self, words: Sequence[int] | np.ndarray) -> Iterator[tuple[int, int, np.ndarray]]:
         """
-        Take packed words.
+        Take packed words, packet by packet.
 
         Parameters
         ----------
         words : (n,) uint32
 
-        Returns
-        -------
-        (m,) uint32
-          Lanes of the packets that are whole now.
+        Yields
+        ------
+        start, end : int
+          Bits of the packet, counted from the first of these words; a packet may have begun before it.
+        lanes : (m,) uint32
         """
+        before = LANE_BITS * len(self._rest)
         words = np.concatenate([self._rest, np.asarray(words, np.uint32)])
         place = np.zeros(4, np.int64)
         place[_BIT] = self._skip
-        out, lanes = np.zeros(self.most_lanes, np.uint32), []
+        out = np.zeros(self.most_lanes, np.uint32)
         self.within, self.begun = False, []
         while True:
             start = place[_BIT]
@@ -213,8 +220,23 @@ class WordUnpacker:
             if not more:
                 break
             self._widths, self._orders = widths, orders
-            lanes.append(out[: place[_COUNT]].copy())
+            yield int(start) - before, int(place[_BIT]) - before, out[: place[_COUNT]].copy()
             place[_COUNT] = 0
         done = place[_BIT] // LANE_BITS
         self._rest, self._skip = words[done:], int(place[_BIT] % LANE_BITS)
+
+    def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
+        """
+        Take packed words.
+
+        Parameters
+        ----------
+        words : (n,) uint32
+
+        Returns
+        -------
+        (m,) uint32
+          Lanes of the packets that are whole now.
+        """
+        lanes = [lanes for _, _, lanes in self.packets(words)]
         return np.concatenate(lanes) if lanes else np.zeros(0, np.uint32)
