@@ -29,6 +29,9 @@ rtl/output_clamp.vhd
 rtl/lane_handshake.vhd
 rtl/channel_lane.vhd
 rtl/raster_core.vhd
+rtl/power_table.vhd
+rtl/shade.vhd
+rtl/render_core.vhd
 rtl/memory_clear.vhd
 rtl/depth_test.vhd
 rtl/framebuffer.vhd

@@ -32,7 +32,9 @@ package quadshade_pkg is
   constant power_bits : positive := 16;
   constant power_mantissa_bits : positive := 5;
   constant power_stages : positive := 8;
-  constant state_address_bits : positive := 13;
+  constant table_words : positive := 512;
+  constant state_registers : positive := 4096;
+  constant ambient_row : positive := 8;
   constant shaded_colours : positive := 3;
 
   -- Generics of the core:
@@ -47,7 +49,7 @@ package quadshade_pkg is
   --   coord_bits: screen coordinates are 0 .. 2**coord_bits - 1
   --   stream_width: bits of the set-up stream: 32, 64 or 128
   --   span_depth: spans held between edge walker and span walker, 1 to 16
-  --   with_shade: 1 (engine model only): diffuse and specular channels become a colour behind the core
+  --   with_shade: 1: diffuse and specular channels become a colour behind the core
   --   num_specular: with shade: how many of the channels, the last ones, are raised to a power
   --   shade_guard_bits: with shade: bits that channels carry below value_bits
   type formats_t is record

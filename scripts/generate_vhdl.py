@@ -30,7 +30,9 @@ SHADE_CONSTANTS = (
     "power_bits",
     "power_mantissa_bits",
     "power_stages",
-    "state_address_bits",
+    "table_words",
+    "state_registers",
+    "ambient_row",
     "shaded_colours",
 )
 

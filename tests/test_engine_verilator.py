@@ -14,14 +14,16 @@ from click.testing import CliRunner
 from quadshade.cli.main import main
 from quadshade.engine import default_engine, draw_words
 from quadshade.engine.fold import fold
-from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.engine.netlist import RENDER_TOP, write_netlist
 from quadshade.engine.verilator import build_verilator, draw_verilator, missing_tools, verilator_available
 from quadshade.errors import QuadshadeError
 from quadshade.formats import QUADRATIC, Formats
-from quadshade.golden.fast import EmittedPixels, draw_fast
+from quadshade.golden import render_core
+from quadshade.golden.fast import EmittedPixels
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.triangles import ScreenTriangles
+from shade_stimuli import random_state
 
 needs_verilator = pytest.mark.skipif(
     not verilator_available(),
@@ -31,6 +33,9 @@ needs_verilator = pytest.mark.skipif(
 SIZE = 96
 CASES = {
     "default": Formats(),
+    "shade": Formats(
+        with_shade=1, num_channels=4, num_specular=2, value_bits=12, shade_guard_bits=6, frac_bits=18
+    ),
     # Ports wider than 64 bits, values across the ports' words, words of two lanes, a chain of one span.
     "wide": Formats(
         num_channels=5, value_bits=15, word_width=40, stream_width=128, with_depth=0, span_depth=1
@@ -72,16 +77,28 @@ def check_same(got: EmittedPixels, expected: EmittedPixels) -> None:
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("stall_period", [0, 4])
 def test_is_the_golden_model(name: str, stall_period: int, rng: np.random.Generator) -> None:
-    words = random_words(CASES[name], rng)
-    expected = draw_fast(words, CASES[name], stall_period)
+    formats = CASES[name]
+    words = random_words(formats, rng)
+    state = random_state(formats, rng) if formats.with_shade else None
+    expected = render_core.draw(words, formats, state, stall_period)
     assert len(expected.x) > 10_000
-    check_same(draw_verilator(words, CASES[name], stall_period), expected)
+    check_same(draw_verilator(words, formats, stall_period, state), expected)
 
 
 @needs_verilator
-def test_is_ghdl(rng: np.random.Generator) -> None:
-    words = random_words(Formats(), rng, 6)
-    check_same(draw_words(words, Formats(), "verilator"), draw_words(words, Formats(), "ghdl"))
+@pytest.mark.parametrize("name", ["default", "shade"])
+def test_is_ghdl(name: str, rng: np.random.Generator) -> None:
+    formats = CASES[name]
+    words = random_words(formats, rng, 6)
+    state = random_state(formats, rng) if formats.with_shade else None
+    drawn = [draw_words(words, formats, engine, state=state) for engine in ("verilator", "ghdl")]
+    check_same(*drawn)
+
+
+@needs_verilator
+def test_shade_without_a_state_passes_colours(rng: np.random.Generator) -> None:
+    words = random_words(CASES["shade"], rng)
+    check_same(draw_verilator(words, CASES["shade"]), render_core.draw(words, CASES["shade"]))
 
 
 @needs_verilator
@@ -92,7 +109,7 @@ def test_empty_stream() -> None:
 
 @needs_verilator
 def test_a_stream_that_ends_within_a_packet_is_an_error(rng: np.random.Generator) -> None:
-    with pytest.raises(QuadshadeError, match="raster_core failed: error: the core hangs"):
+    with pytest.raises(QuadshadeError, match="render_core failed: error: the core hangs"):
         draw_verilator(random_words(Formats(), rng)[:-1], Formats())
 
 
@@ -135,7 +152,7 @@ def test_two_at_once_compile_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     tool.write_text(
         '#!/bin/sh\n[ "$1" = --version ] && echo 1.0 && exit\n'
         f"sleep 0.3\necho compiled >> {log}\n"
-        f'while [ "$1" != --Mdir ]; do shift; done\necho core > "$2/{TOP}"\n'
+        f'while [ "$1" != --Mdir ]; do shift; done\necho core > "$2/{RENDER_TOP}"\n'
     )
     tool.chmod(0o755)
     monkeypatch.setenv("VERILATOR", str(tool))
@@ -192,7 +209,7 @@ def test_fold_leaves_what_is_used_elsewhere() -> None:
 
 @pytest.mark.skipif(shutil.which("ghdl") is None, reason="needs GHDL: run `make setup`")
 def test_fold_finds_the_enables_of_the_core() -> None:
-    netlist = write_netlist(Formats().core_generics()).read_text()
+    netlist = write_netlist(Formats().generics(), RENDER_TOP).read_text()
     folded = fold(netlist)
     assert netlist.count("if (") == 0 and folded.count("    if (") > 50
     assert "always @*" not in folded and "moves[" not in folded

@@ -17,7 +17,6 @@ from quadshade.golden import power_table, render_core
 from quadshade.golden.fast import draw_fast
 from quadshade.golden.shade import factors, shade
 from quadshade.setup.shade_state import (
-    ShadeState,
     colour_state,
     curve_table,
     power_curve,
@@ -25,6 +24,7 @@ from quadshade.setup.shade_state import (
     table_entries,
     table_places,
 )
+from shade_stimuli import random_state, random_values
 
 TINY = Formats(with_shade=1, num_channels=2, value_bits=4, shade_guard_bits=4, word_width=20, frac_bits=8)
 FORMATS = {
@@ -35,30 +35,6 @@ FORMATS = {
                          word_width=40, frac_bits=24),
     "tiny": TINY,
 }  # fmt: skip
-
-
-def random_state(formats: Formats, rng: np.random.Generator) -> ShadeState:
-    """Any registers and tables, whether or not a host would send them."""
-    masks = rng.integers(0, 1 << formats.num_specular, 2)
-    return ShadeState(
-        rng.integers(0, 1 << (formats.value_bits + 16), 3),
-        rng.integers(0, 1 << 18, (formats.num_channels, 3)) >> rng.integers(0, 10),
-        rng.integers(0, 1 << 32, (formats.num_specular, table_entries(formats)), dtype=np.uint32),
-        int(masks[0]),
-        int(masks[1]),
-        formats.shade_guard_bits,
-    )
-
-
-def random_values(formats: Formats, rng: np.random.Generator, count: int) -> np.ndarray:
-    """Values of all sizes, zero and full scale among them."""
-    bits = formats.lane_value_bits
-    values = rng.integers(0, 1 << bits, (count, formats.num_channels)) >> rng.integers(
-        0, bits, (count, formats.num_channels)
-    )
-    full = (1 << bits) - 1
-    kind = rng.integers(0, 8, values.shape)
-    return np.select([kind == 0, kind == 1, kind < 5], [0, full, full - values], values).clip(0)
 
 
 @pytest.mark.parametrize("formats", FORMATS.values(), ids=FORMATS)

@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 GHDL = os.environ.get("GHDL", "ghdl")
-TOP = "raster_core"
+TOPS = {"raster_core": (), "render_core": ("-gwith_shade=1", "-gnum_channels=4", "-gnum_specular=2")}
 MAX_LINES = 400
 MAX_COLUMNS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]["line-length"]
 MAX_HEADER_LINES = 15
@@ -151,6 +151,8 @@ def test_rtl_analyses_and_synthesises(tmp_path: Path) -> None:
     analysis = run(GHDL, "-a", "-Werror", *options, *rtl_files(), cwd=tmp_path)
     assert analysis.returncode == 0, analysis.stderr
     assert analysis.stderr == ""
-    synthesis = run(GHDL, "--synth", "-Werror", *options, "--out=verilog", TOP, cwd=tmp_path)
-    assert synthesis.returncode == 0, synthesis.stderr
-    assert f"module {TOP}" in synthesis.stdout
+    for top, generics in TOPS.items():
+        command = (GHDL, "--synth", "-Werror", *options, *generics, "--out=verilog", top)
+        synthesis = run(*command, cwd=tmp_path)
+        assert synthesis.returncode == 0, synthesis.stderr
+        assert f"module {top}" in synthesis.stdout

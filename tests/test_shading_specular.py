@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from quadshade.cli.main import main
 from quadshade.engine import draw
+from quadshade.engine.verilator import verilator_available
 from quadshade.formats import QUADRATIC
 from quadshade.image import paint, visible
 from quadshade.image.compare import psnr
@@ -149,11 +150,20 @@ def test_render_says_when_it_interpolates_colours(tmp_path) -> None:
     assert few.exit_code == 2 and "generic num_channels is 2; a picture needs 3" in few.stderr
 
 
-def test_the_model_is_the_default_and_other_engines_say_why(tmp_path, monkeypatch) -> None:
+@pytest.mark.skipif(
+    not verilator_available(), reason="needs GHDL, Verilator and a compiler: run `make setup`"
+)
+def test_every_engine_draws_it_and_verilator_is_the_default(tmp_path, monkeypatch) -> None:
     monkeypatch.delenv("QUADSHADE_ENGINE")
-    scene = ("sphere:168", "--size", "32x32", "--shading", "quadratic-specular", "-o", tmp_path / "a.png")
-    assert render(*scene).exit_code == 0
-    for engine in ("ghdl", "verilator"):
-        refused = render(*scene, "--engine", engine)
-        assert refused.exit_code == 2
-        assert f"the engine {engine} has no shade unit yet; use --engine model" in refused.stderr
+    scene = ("sphere:168", "--size", "32x32", "--shading", "quadratic-specular", "--exponent", "50")
+    drawn = {}
+    for engine in ("model", "ghdl", "verilator", ""):
+        picture, stats = tmp_path / f"by_{engine}.png", tmp_path / f"by_{engine}.json"
+        choice = ("--engine", engine) if engine else ()
+        result = render(*scene, "-o", picture, "--stats", stats, *choice)
+        assert result.exit_code == 0, result.output
+        drawn[engine] = picture.read_bytes(), json.loads(stats.read_text())
+    assert drawn[""] == drawn["verilator"]
+    assert len({picture for picture, _ in drawn.values()}) == 1
+    assert {stats.pop("engine") for _, stats in drawn.values() if "engine" in stats} == set(drawn) - {""}
+    assert all(stats == drawn["model"][1] for _, stats in drawn.values())

@@ -51,8 +51,14 @@ POWER_MANTISSA_BITS = 5
 POWER_STAGES = 8
 """Stages from a cosine to its power."""
 
-STATE_ADDRESS_BITS = 13
-"""Addresses of the shade unit's state: the power tables below, registers above (``setup/shade_state.py``)."""
+TABLE_WORDS = 1 << (POWER_MANTISSA_BITS + 4)
+"""Words of a power table, a block RAM: 32 for each octave of 18 bits, and those that are left."""
+
+STATE_REGISTERS = 8 * TABLE_WORDS
+"""Address of the shade unit's first register; the power tables are below (``setup/shade_state.py``)."""
+
+AMBIENT_ROW = 8
+"""Row of four registers that holds the ambient colour and the masks; those before are the channels'."""
 
 SHADED_COLOURS = 3
 
@@ -130,7 +136,7 @@ GENERIC_HELP = {
     "coord_bits": "screen coordinates are 0 .. 2**coord_bits - 1",
     "stream_width": "bits of the set-up stream: 32, 64 or 128",
     "span_depth": "spans held between edge walker and span walker, 1 to 16",
-    "with_shade": "1 (engine model only): diffuse and specular channels become a colour behind the core",
+    "with_shade": "1: diffuse and specular channels become a colour behind the core",
     "num_specular": "with shade: how many of the channels, the last ones, are raised to a power",
     "shade_guard_bits": "with shade: bits that channels carry below value_bits",
 }

@@ -62,8 +62,7 @@ def raster(
     """Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them."""
     check_writable(output, stats, waves, inputs=[triangles_path])
     triangles, formats = open_triangles(triangles_path, parse_generics(generics))
-    # The shade unit is in the golden model only.
-    engine = engine or ("model" if formats.with_shade else default_engine())
+    engine = engine or default_engine()
     try:
         drawing = draw(triangles, formats, engine, waves, **setup_choice)
         write_pixels(output, drawing.pixels)

@@ -33,7 +33,6 @@ from quadshade.cli.scene_options import (
 )
 from quadshade.cli.setup_options import undefined_note
 from quadshade.errors import QuadshadeError
-from quadshade.shading.specular import SPECULAR_ORDERS
 
 if TYPE_CHECKING:
     from quadshade.formats import Formats
@@ -74,9 +73,7 @@ def render(
     if output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
     # Phong shading is the host's own work: of the engine it needs coverage and depth only.
-    # The shade unit is in the golden model only.
-    modelled = choice.shading == PHONG or choice.shading in SPECULAR_ORDERS or formats.with_shade
-    engine = engine or ("model" if modelled else default_engine())
+    engine = engine or ("model" if choice.shading == PHONG else default_engine())
     check_writable(output, stats, waves, inputs=[choice.path])
 
     scene = show_scene(choice, formats)

@@ -57,17 +57,15 @@ def draw_words(
     QuadshadeError
       Unknown engine, a stream that ends within a packet, a missing simulator, waves without one.
     """
-    if formats.with_shade and engine in ("ghdl", "verilator"):
-        raise QuadshadeError(f"the engine {engine} has no shade unit yet", "use --engine model")
     if engine not in ENGINES:
         raise QuadshadeError(f"there is no engine {engine!r}", f"the engines are {', '.join(ENGINES)}")
     if engine == "ghdl" and (waves is not None or len(words)):
-        return draw_ghdl(words, formats, waves)
+        return draw_ghdl(words, formats, waves, state=state)
     if waves is not None:
         raise QuadshadeError(f"the engine {engine} has no waves", "use --engine ghdl")
     # Without words nothing is drawn, and nothing need be compiled for it.
     if engine == "verilator" and len(words):
-        return draw_verilator(words, formats)
+        return draw_verilator(words, formats, state=state)
     return render_core.draw(words, formats, state)
 
 

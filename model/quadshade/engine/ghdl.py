@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The RTL in GHDL, through ``sim/raster_core_tb.vhd``: beats in a file, pixels out of a file."""
+"""The RTL in GHDL, through ``sim/render_core_tb.vhd``: state and beats in files, pixels out of a file."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ import numpy as np
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.golden.fast import EmittedPixels
+from quadshade.setup.shade_state import ShadeState
 
-TESTBENCH = "raster_core_tb"
+TESTBENCH = "render_core_tb"
 
 
 def repository_root() -> Path:
@@ -94,6 +95,12 @@ def write_beats(words: np.ndarray, formats: Formats, path: Path) -> None:
     path.write_text("".join(f"{row % tuple(beat)}\n" for beat in beats.tolist()))
 
 
+def write_state(state: ShadeState | None, path: Path) -> None:
+    """Addresses and words as hexadecimal lines; none where there is no state."""
+    rows = [] if state is None else state.writes().tolist()
+    path.write_text("".join(f"{address:08x} {word:08x}\n" for address, word in rows))
+
+
 def read_pixels(path: Path, formats: Formats) -> EmittedPixels:
     """Pixels and clocks from what the test bench wrote."""
     lines = path.read_text().splitlines()
@@ -105,7 +112,9 @@ def read_pixels(path: Path, formats: Formats) -> EmittedPixels:
     last, y, x, depth = (rows[:, column].astype(np.int64) for column in range(4))
     packet = np.concatenate([[0], np.cumsum(last)])[: len(last)]
     mask = (1 << formats.value_bits) - 1
-    value = [(rows[:, 4] >> (formats.value_bits * channel)) & mask for channel in range(formats.num_channels)]
+    value = [
+        (rows[:, 4] >> (formats.value_bits * channel)) & mask for channel in range(formats.emitted_channels)
+    ]
     value += [depth] * formats.with_depth
     values = np.stack([column.astype(np.int64) for column in value], axis=1)
     clocks = int(lines[-1].split()[1])
@@ -120,7 +129,11 @@ def read_pixels(path: Path, formats: Formats) -> EmittedPixels:
 
 
 def draw_ghdl(
-    words: np.ndarray, formats: Formats, waves: Path | None = None, stall_period: int = 0
+    words: np.ndarray,
+    formats: Formats,
+    waves: Path | None = None,
+    stall_period: int = 0,
+    state: ShadeState | None = None,
 ) -> EmittedPixels:
     """
     Draw a stream of set-up words with the RTL.
@@ -135,6 +148,8 @@ def draw_ghdl(
       GHW file to write.
     stall_period : int
       The sink is not ready in every n-th clock; 0: always ready.
+    state : ShadeState, optional
+      Written before the drawing; if left out, the unit is as after power-up.
 
     Returns
     -------
@@ -150,7 +165,9 @@ def draw_ghdl(
     with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
         folder = Path(scratch)
         write_beats(words, formats, folder / "beats.txt")
-        generics = formats.core_generics() | {
+        write_state(state, folder / "state.txt")
+        generics = formats.generics() | {
+            "state_file": folder / "state.txt",
             "beats_file": folder / "beats.txt",
             "pixels_file": folder / "pixels.txt",
         }

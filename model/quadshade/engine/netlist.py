@@ -18,8 +18,18 @@ from pathlib import Path
 
 from quadshade.engine.ghdl import repository_root, rtl_files, run_tool
 from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
 
 TOP = "raster_core"
+RENDER_TOP = "render_core"
+"""The core with what follows it: what the simulators run."""
+
+
+def core_of(formats: Formats) -> tuple[str, dict[str, int]]:
+    """The entity that is a core of these formats, and its generics: without shade, ``raster_core``."""
+    if formats.with_shade:
+        return RENDER_TOP, formats.generics()
+    return TOP, formats.core_generics()
 
 
 def repair_constants(verilog: str) -> str:

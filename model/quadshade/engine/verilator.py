@@ -16,13 +16,14 @@ import numpy as np
 
 from quadshade.engine.fold import fold
 from quadshade.engine.ghdl import repository_root, run_tool
-from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.engine.netlist import RENDER_TOP, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.golden.fast import EmittedPixels
+from quadshade.setup.shade_state import ShadeState
 
-MACROS = ("stream_width", "num_channels", "value_bits")
-"""Generics that the C++ harness takes as macros, in capitals; other widths it has from the ports' types."""
+MACROS = ("stream_width", "emitted_channels", "value_bits")
+"""What the C++ harness takes as macros, in capitals; other widths it has from the ports' types."""
 
 VERILATOR_OPTIONS = (
     *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
@@ -80,7 +81,7 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
     Returns
     -------
     Path
-      The program ``<hash>/raster_core`` in that folder; its arguments stand in the harness.
+      The program ``<hash>/render_core`` in that folder; its arguments stand in the harness.
 
     Raises
     ------
@@ -90,16 +91,24 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
     if tools := missing_tools():
         raise QuadshadeError(f"{tools[0]} is not installed", "run `make setup`, or use --engine model")
     root = repository_root()
-    harness = root / "sim" / "verilator" / f"{TOP}_main.cpp"
-    netlist = fold(write_netlist(formats.core_generics(), root=root).read_text())
-    generics = formats.core_generics()
-    macros = " ".join(f"-D{name.upper()}={generics[name]}" for name in MACROS)
-    command = [_verilator(), *VERILATOR_OPTIONS, "--top-module", TOP, "-o", TOP, "-CFLAGS", macros]
+    harness = root / "sim" / "verilator" / f"{RENDER_TOP}_main.cpp"
+    netlist = fold(write_netlist(formats.generics(), RENDER_TOP, root=root).read_text())
+    macros = " ".join(f"-D{name.upper()}={getattr(formats, name)}" for name in MACROS)
+    command = [
+        _verilator(),
+        *VERILATOR_OPTIONS,
+        "--top-module",
+        RENDER_TOP,
+        "-o",
+        RENDER_TOP,
+        "-CFLAGS",
+        macros,
+    ]
     command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
     digest = hashlib.sha256("\n".join([*command, _version(_verilator()), _version(_compiler())]).encode())
     for source in (netlist.encode(), harness.read_bytes()):
         digest.update(source)
-    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / TOP
+    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / RENDER_TOP
     if program.is_file():
         return program
     program.parent.mkdir(parents=True, exist_ok=True)
@@ -111,16 +120,16 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
                 print("compiling the core for Verilator, once for these generics ...", file=sys.stderr)
             with tempfile.TemporaryDirectory(dir=program.parent) as scratch:
                 folder = Path(scratch)
-                verilog = folder / f"{TOP}.v"
+                verilog = folder / f"{RENDER_TOP}.v"
                 verilog.write_text(netlist)
                 run_tool([*command, "--Mdir", scratch, str(verilog), str(harness)], folder)
-                (folder / TOP).replace(program)
+                (folder / RENDER_TOP).replace(program)
     return program
 
 
 def record_type(formats: Formats) -> np.dtype:
     """What the harness writes for a pixel: its ``struct Record``."""
-    value = ("value", np.uint32, (formats.num_channels,))
+    value = ("value", np.uint32, (formats.emitted_channels,))
     return np.dtype(
         [("x", np.uint16), ("y", np.uint16), ("depth", np.uint32), value, ("last", np.uint16)], align=True
     )
@@ -130,8 +139,8 @@ def read_records(path: Path, formats: Formats, clocks: int) -> EmittedPixels:
     """Pixels from the file that the harness wrote."""
     records = np.fromfile(path, dtype=record_type(formats))
     last = records["last"].astype(np.int32)
-    value = np.empty((len(records), formats.carried_channels), np.int32)
-    value[:, : formats.num_channels] = records["value"]
+    value = np.empty((len(records), formats.emitted_channels + formats.with_depth), np.int32)
+    value[:, : formats.emitted_channels] = records["value"]
     if formats.with_depth:
         value[:, -1] = records["depth"].astype(np.int32)
     ended = np.cumsum(last, dtype=np.int32)
@@ -139,7 +148,9 @@ def read_records(path: Path, formats: Formats, clocks: int) -> EmittedPixels:
     return EmittedPixels(ended - last, x, y, value, clocks, int(last.sum()))
 
 
-def draw_verilator(words: np.ndarray, formats: Formats, stall_period: int = 0) -> EmittedPixels:
+def draw_verilator(
+    words: np.ndarray, formats: Formats, stall_period: int = 0, state: ShadeState | None = None
+) -> EmittedPixels:
     """
     Draw a stream of set-up words with the core's netlist.
 
@@ -151,6 +162,8 @@ def draw_verilator(words: np.ndarray, formats: Formats, stall_period: int = 0) -
     formats : Formats
     stall_period : int
       The sink is not ready in every n-th clock; 0: always ready.
+    state : ShadeState, optional
+      Written before the drawing; if left out, the unit is as after power-up.
 
     Returns
     -------
@@ -162,16 +175,19 @@ def draw_verilator(words: np.ndarray, formats: Formats, stall_period: int = 0) -
       A tool is missing or fails.
     """
     try:
-        return _draw(build_verilator(formats), words, formats, stall_period)
+        return _draw(build_verilator(formats), words, formats, stall_period, state)
     except OSError as problem:
         raise QuadshadeError(f"Verilator's files: {problem}", "use --engine model") from None
 
 
-def _draw(program: Path, words: np.ndarray, formats: Formats, stall_period: int) -> EmittedPixels:
+def _draw(
+    program: Path, words: np.ndarray, formats: Formats, stall_period: int, state: ShadeState | None
+) -> EmittedPixels:
     with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
         folder = Path(scratch)
-        beats, pixels = folder / "beats.bin", folder / "pixels.bin"
+        writes, beats, pixels = folder / "state.bin", folder / "beats.bin", folder / "pixels.bin"
+        writes.write_bytes(b"" if state is None else state.writes().tobytes())
         np.ascontiguousarray(words, dtype=np.uint32).tofile(beats)
-        printed = run_tool([str(program), str(beats), str(pixels), str(stall_period)], folder)
+        printed = run_tool(list(map(str, (program, writes, beats, pixels, stall_period))), folder)
         report = dict(line.split() for line in printed.splitlines())
         return read_records(pixels, formats, int(report["clocks"]))

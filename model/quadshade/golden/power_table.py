@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A cosine through a curve: table lookup with interpolation, stage by stage; no VHDL of it yet."""
+"""A cosine through a curve: table lookup with interpolation, stage by stage (``rtl/power_table.vhd``)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rasteriser core with the shade unit behind it, plain, and fast in numba; no VHDL of the unit yet."""
+"""Rasteriser core with the shade unit behind it (``rtl/render_core.vhd``), plain, and fast in numba."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Diffuse and specular channels to a colour, stage by stage; there is no VHDL of it yet."""
+"""Diffuse and specular channels to a colour, stage by stage (``rtl/shade.vhd``)."""
 
 from __future__ import annotations
 

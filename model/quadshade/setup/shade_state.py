@@ -18,21 +18,16 @@ import numpy as np
 
 from quadshade.errors import QuadshadeError
 from quadshade.formats import (
+    AMBIENT_ROW,
     COEFFICIENT_FRAC_BITS,
     FACTOR_BITS,
     POWER_BITS,
     POWER_MANTISSA_BITS,
     SHADED_COLOURS,
-    STATE_ADDRESS_BITS,
+    STATE_REGISTERS,
+    TABLE_WORDS,
     Formats,
 )
-
-TABLE_WORDS = 1 << (POWER_MANTISSA_BITS + 4)
-REGISTERS = 1 << (STATE_ADDRESS_BITS - 1)
-"""Address of the first register."""
-
-AMBIENT_ROW = 8
-"""Row of four registers that holds the ambient colour and the masks; those before are the channels'."""
 
 COEFFICIENT_LIMIT = 1 << (FACTOR_BITS - COEFFICIENT_FRAC_BITS)
 """A coefficient is less than this."""
@@ -79,9 +74,9 @@ class ShadeState:
             for index, word in enumerate(words)
         ]
         for row, colours in enumerate([*self.coefficients.tolist()]):
-            rows += [(REGISTERS + 4 * row + column, value) for column, value in enumerate(colours)]
+            rows += [(STATE_REGISTERS + 4 * row + column, value) for column, value in enumerate(colours)]
         last = [*self.ambient.tolist(), self.linear | self.gated << 8]
-        rows += [(REGISTERS + 4 * AMBIENT_ROW + column, value) for column, value in enumerate(last)]
+        rows += [(STATE_REGISTERS + 4 * AMBIENT_ROW + column, value) for column, value in enumerate(last)]
         return np.array(rows, dtype=np.uint32)
 
 

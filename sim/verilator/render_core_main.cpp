@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Feeds the core from a file of set-up beats (32-bit lanes, the first lane lowest) and writes the pixels it
-// emits as records (struct Record below, which engine/verilator.py reads). Stream always valid; the sink is
-// ready but for one clock in STALL_PERIOD, counted from the first beat (0: always). Prints "clocks N" (first
-// beat accepted to last pixel out, both included), "cycles N" (all that were simulated, from reset to idle)
-// and "seconds T" (the simulation with its reading and writing).
+// Writes the state of a file (address and word, 32 bits each), then feeds the core from a file of set-up
+// beats (32-bit lanes, the first lane lowest) and writes the pixels it emits as records (struct Record below,
+// which engine/verilator.py reads). Stream always valid; the sink is ready but for one clock in STALL_PERIOD,
+// counted from the first beat (0: always). Prints "clocks N" (first beat accepted to last pixel out, both
+// included), "cycles N" (all that were simulated, from reset to idle) and "seconds T" (the simulation with
+// its reading and writing).
 //
-//   raster_core BEATS PIXELS STALL_PERIOD
+//   render_core STATE BEATS PIXELS STALL_PERIOD
 //
-// The core's generics come as macros: STREAM_WIDTH, NUM_CHANNELS, VALUE_BITS.
+// The core's generics come as macros: STREAM_WIDTH, EMITTED_CHANNELS, VALUE_BITS.
 
 #include <chrono>
 #include <cinttypes>
@@ -18,7 +19,7 @@
 #include <memory>
 #include <vector>
 
-#include "Vraster_core.h"
+#include "Vrender_core.h"
 #include "verilated.h"
 
 namespace {
@@ -33,7 +34,7 @@ struct Record {
     uint16_t x;
     uint16_t y;
     uint32_t depth;
-    uint32_t value[NUM_CHANNELS];
+    uint32_t value[EMITTED_CHANNELS];
     uint16_t last;
 };
 
@@ -79,13 +80,14 @@ template <size_t N> uint32_t get_bits(const VlWide<N>& port, unsigned low, unsig
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 4) fail("usage:", "raster_core BEATS PIXELS STALL_PERIOD");
-    File beats = open_file(argv[1], "rb");
-    File pixels = open_file(argv[2], "wb");
-    const uint64_t stall_period = std::strtoull(argv[3], nullptr, 10);
+    if (argc != 5) fail("usage:", "render_core STATE BEATS PIXELS STALL_PERIOD");
+    File state = open_file(argv[1], "rb");
+    File beats = open_file(argv[2], "rb");
+    File pixels = open_file(argv[3], "wb");
+    const uint64_t stall_period = std::strtoull(argv[4], nullptr, 10);
 
     VerilatedContext context;
-    Vraster_core core(&context);
+    Vrender_core core(&context);
     uint64_t cycle = 0, first_beat = 0, last_pixel = 0, last_change = 0;
     uint32_t beat[stream_lanes];
     std::vector<Record> block;
@@ -104,7 +106,7 @@ int main(int argc, char** argv) {
     };
     const auto write_block = [&] {
         if (std::fwrite(block.data(), sizeof(Record), block.size(), pixels.get()) != block.size())
-            fail("cannot write", argv[2]);
+            fail("cannot write", argv[3]);
         block.clear();
     };
     const auto read_beat = [&] {
@@ -114,10 +116,21 @@ int main(int argc, char** argv) {
 
     core.reset = 1;
     core.setup_valid = 0;
+    core.state_valid = 0;
     core.pixel_ready = 1;
     settle();
     rise();
     core.reset = 0;
+    core.state_valid = 1;
+    uint32_t write[2];
+    while (std::fread(write, sizeof write, 1, state.get()) == 1) {
+        core.state_address = write[0];
+        core.state_data = write[1];
+        settle();
+        if (!core.state_ready) fail("the core hangs:", "it is idle and takes no state");
+        rise();
+    }
+    core.state_valid = 0;
     read_beat();
     settle();
     // Between two rising edges everything has settled: what is seen here is what the next edge takes.
@@ -133,7 +146,7 @@ int main(int argc, char** argv) {
             record.x = core.pixel_x;
             record.y = core.pixel_y;
             record.depth = core.pixel_depth;
-            for (unsigned channel = 0; channel < NUM_CHANNELS; ++channel)
+            for (unsigned channel = 0; channel < EMITTED_CHANNELS; ++channel)
                 record.value[channel] = get_bits(core.pixel_value, channel * VALUE_BITS, VALUE_BITS);
             record.last = core.pixel_last;
             block.push_back(record);
@@ -150,8 +163,9 @@ int main(int argc, char** argv) {
 
     write_block();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    if (std::ferror(beats.get())) fail("cannot read", argv[1]);
-    if (std::fflush(pixels.get())) fail("cannot write", argv[2]);
+    if (std::ferror(beats.get())) fail("cannot read", argv[2]);
+    if (std::ferror(state.get())) fail("cannot read", argv[1]);
+    if (std::fflush(pixels.get())) fail("cannot write", argv[3]);
     core.final();
     std::printf("clocks %" PRIu64 "\n", last_pixel - (last_pixel ? first_beat : 0));
     std::printf("cycles %" PRIu64 "\n", cycle);

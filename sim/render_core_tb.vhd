@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- Feeds the core from a file of set-up beats (hexadecimal, a line each) and writes the pixels it emits
--- (hexadecimal, a line each: last y x depth values), stream always valid, sink ready but
--- for one clock in stall_period (counted from the first beat; 0: always). The last line is
--- "clocks N": cycles from the first beat accepted to the last pixel out, both included.
+-- Writes the state of a file (hexadecimal, address and word a line), then feeds the core from a file of
+-- set-up beats (hexadecimal, a line each) and writes the pixels it emits (hexadecimal, a line each: last y x
+-- depth values), stream always valid, sink ready but for one clock in stall_period (counted from the first
+-- beat; 0: always). The last line is "clocks N": cycles from the first beat accepted to the last pixel out,
+-- both included.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -14,8 +15,9 @@ use std.textio.all;
 
 use work.quadshade_pkg.all;
 
-entity raster_core_tb is
+entity render_core_tb is
   generic (
+    state_file : string;
     beats_file : string;
     pixels_file : string;
     stall_period : natural := 0;
@@ -29,11 +31,14 @@ entity raster_core_tb is
     subpixel_bits : natural := default_formats.subpixel_bits;
     coord_bits : positive := default_formats.coord_bits;
     stream_width : positive := default_formats.stream_width;
-    span_depth : positive := default_formats.span_depth
+    span_depth : positive := default_formats.span_depth;
+    with_shade : natural := default_formats.with_shade;
+    num_specular : positive := default_formats.num_specular;
+    shade_guard_bits : positive := default_formats.shade_guard_bits
   );
 end entity;
 
-architecture sim of raster_core_tb is
+architecture sim of render_core_tb is
 
   constant period : time := 10 ns;
 
@@ -42,8 +47,12 @@ architecture sim of raster_core_tb is
   signal running : boolean := true;
   signal setup_valid, setup_ready, pixel_valid, pixel_last, idle : std_ulogic := '0';
   signal setup_data : std_ulogic_vector(stream_width - 1 downto 0) := (others => '0');
+  signal state_valid, state_ready : std_ulogic := '0';
+  signal state_address : u_unsigned(31 downto 0) := (others => '0');
+  signal state_data : std_ulogic_vector(31 downto 0) := (others => '0');
   signal pixel_x, pixel_y : u_unsigned(coord_bits - 1 downto 0);
-  signal pixel_value : u_unsigned(num_channels * value_bits - 1 downto 0);
+  signal pixel_value :
+    u_unsigned((num_channels * (1 - with_shade) + shaded_colours * with_shade) * value_bits - 1 downto 0);
   signal pixel_depth : u_unsigned(depth_bits - 1 downto 0);
   signal all_sent : boolean := false;
   signal pixel_ready : std_ulogic := '1';
@@ -61,28 +70,43 @@ begin
     wait;
   end process;
 
-  core_inst : entity work.raster_core
+  core_inst : entity work.render_core
     generic map (
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
       subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
-      span_depth => span_depth
+      span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
+      shade_guard_bits => shade_guard_bits
     )
     port map (
       clk => clk, reset => reset,
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      state_valid => state_valid, state_ready => state_ready, state_address => state_address,
+      state_data => state_data,
       pixel_valid => pixel_valid, pixel_ready => pixel_ready, pixel_last => pixel_last,
       pixel_x => pixel_x, pixel_y => pixel_y, pixel_value => pixel_value, pixel_depth => pixel_depth,
       idle => idle
     );
 
   source : process
+    file states : text open read_mode is state_file;
     file beats : text open read_mode is beats_file;
     variable row : line;
+    variable address, word : std_logic_vector(31 downto 0);
     variable beat : std_logic_vector(stream_width - 1 downto 0);
   begin
     wait until rising_edge(clk);
     reset <= '0';
+    while not endfile(states) loop
+      readline(states, row);
+      hread(row, address);
+      hread(row, word);
+      state_valid <= '1';
+      state_address <= unsigned(address);
+      state_data <= std_ulogic_vector(word);
+      wait until rising_edge(clk) and state_ready = '1';
+    end loop;
+    state_valid <= '0';
     while not endfile(beats) loop
       readline(beats, row);
       hread(row, beat);
