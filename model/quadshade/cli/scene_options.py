@@ -43,6 +43,7 @@ class SceneChoice:
     light_texts: tuple[str, ...]
     material: str
     exponent: float | None
+    toon: int | None
     reflectance: str | None
     cull: bool
     crease: float | None
@@ -70,6 +71,10 @@ class SceneChoice:
         check_size(*parse_size(self.size), formats)
         _check_orders(self.shading if self.adapt_choice is None else "flat", formats)
         check_method(self.setup_choice["method"], self.shading)
+        if self.toon is not None and self.shading not in SPECULAR_ORDERS:
+            raise QuadshadeError(
+                f"--toon with the shading {self.shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
+            )
         check_adaptive(self.adapt_choice, self.shading, self.setup_choice["method"])
         return formats
 
@@ -133,6 +138,13 @@ def scene_options(command: Callable) -> Callable:
             "model=blinn or phong.",
         ),
         click.option("--exponent", type=float, help="Specular exponent.  [default: 20]"),
+        click.option(
+            "--toon",
+            type=int,
+            metavar="STEPS",
+            help="Cartoon: diffuse light in so many steps, highlights with a sharp border. Needs a -specular "
+            "shading.",
+        ),
         click.option(
             "--reflectance",
             metavar="MODULE:FUNCTION",
@@ -205,17 +217,21 @@ def shade_scene(
 
 def _sample(choice: SceneChoice, shown: ShownScene, formats: Formats) -> tuple[ScreenTriangles, Formats]:
     """As :func:`shade_scene`, where nothing is adapted."""
-    from quadshade.shading import sample
+    from quadshade.shading import sample, toon_curves
 
     shading, x_shading = choice.shading, choice.setup_choice["method"] == "xshading"
     projected, lights, surface = shown.projected, shown.lights, shown.surface
     if shading in SPECULAR_ORDERS:
         try:
-            fitted = specular_formats(parse_generics(choice.generics), projected, lights, surface)
-            return sample_specular(projected, shading, lights, surface, fitted, x_shading), fitted
+            curves = None if choice.toon is None else toon_curves(choice.toon, surface.exponent)
+            generics = parse_generics(choice.generics)
+            fitted = specular_formats(generics, projected, lights, surface, choice.toon is not None)
+            triangles = sample_specular(projected, shading, lights, surface, fitted, x_shading, curves)
+            return triangles, fitted
         except UnsuitedError as reason:
             shading = shading.removesuffix("-specular").replace("linear", "gouraud")
-            click.echo(f"quadshade: notice: drawn as {shading}: {reason}", err=True)
+            steps = "" if choice.toon is None else ", without steps"
+            click.echo(f"quadshade: notice: drawn as {shading}{steps}: {reason}", err=True)
             _check_colours(formats)
     order = "flat" if shading == PHONG else shading
     triangles = sample(projected, order, lights, surface, formats, x_shading)

@@ -18,6 +18,7 @@ from quadshade.shading.specular import (
     sample_specular,
     specular_formats,
 )
+from quadshade.shading.toon import toon_curves
 
 __all__ = [
     "DEFAULT_LIGHTS",
@@ -36,4 +37,5 @@ __all__ = [
     "sample",
     "sample_specular",
     "specular_formats",
+    "toon_curves",
 ]

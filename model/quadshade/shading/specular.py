@@ -16,7 +16,7 @@ import numpy as np
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
 from quadshade.scene.project import Projected
-from quadshade.setup.shade_state import COEFFICIENT_LIMIT, power_curve, shade_state
+from quadshade.setup.shade_state import COEFFICIENT_LIMIT, Curve, power_curve, shade_state
 from quadshade.shading.lights import AmbientLight, Light, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
@@ -59,6 +59,7 @@ def specular_formats(
     projected: Projected,
     lights: Sequence[Light] | None = None,
     material: Material | None = None,
+    through_tables: bool = False,
 ) -> Formats:
     """
     Formats with a shade unit, and a diffuse and a specular channel for each light.
@@ -71,6 +72,8 @@ def specular_formats(
     lights : sequence of lights, optional
       By default those that go with the viewer.
     material : Material, optional
+    through_tables : bool
+      Diffuse channels have a table too: all channels are specular ones.
 
     Returns
     -------
@@ -86,11 +89,14 @@ def specular_formats(
     material = Material() if material is None else material
     lights = default_lights(projected.axes) if lights is None else lights
     count = len(specular_lights(projected, lights, material))
-    fitted = {"with_shade": 1, "num_channels": 2 * count, "num_specular": count}
+    fitted = {"with_shade": 1, "num_channels": 2 * count, "num_specular": count * (1 + through_tables)}
     formats = Formats().with_generics(fitted | generics)
     if not formats.with_shade:
         raise UnsuitedError("generic with_shade is 0")
-    if formats.num_specular < count or formats.num_channels - formats.num_specular < count:
+    if through_tables:
+        if formats.num_channels < 2 * count or formats.num_specular < formats.num_channels:
+            raise UnsuitedError(f"{count} lights need {2 * count} channels, all of them with a table")
+    elif formats.num_specular < count or formats.num_channels - formats.num_specular < count:
         raise UnsuitedError(
             f"{count} lights need as many diffuse and specular channels; of {formats.num_channels} channels"
             f" {formats.num_specular} are specular"
@@ -105,6 +111,7 @@ def sample_specular(
     material: Material | None = None,
     formats: Formats | None = None,
     x_shading: bool = False,
+    curves: tuple[Curve, Curve] | None = None,
 ) -> ScreenTriangles:
     """
     Take the diffuse and the specular cosine of each light at the points that a triangle's order needs.
@@ -121,6 +128,10 @@ def sample_specular(
       With shade; by default those of :func:`specular_formats`.
     x_shading : bool
       Middles of edges take their normals from :func:`quadshade.shading.sample.middle_normals`.
+    curves : two callables, optional
+      What diffuse and specular cosines go through, as :func:`quadshade.setup.shade_state.curve_table` takes
+      them, :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for every
+      channel (``through_tables``). A highlight on the dark side is then not cut. By default the power.
 
     Returns
     -------
@@ -139,13 +150,15 @@ def sample_specular(
     order = SPECULAR_ORDERS[shading]
     material = Material() if material is None else material
     lights = default_lights(projected.axes) if lights is None else lights
-    formats = specular_formats({}, projected, lights, material) if formats is None else formats
+    through_tables = curves is not None
+    if formats is None:
+        formats = specular_formats({}, projected, lights, material, through_tables)
     pointed = specular_lights(projected, lights, material)
     points = SAMPLE_POINTS[: 3 if order == LINEAR else 6]
     diffuse, specular, strength = _cosines(
         projected, pointed, material, points, x_shading and order == QUADRATIC
     )
-    first_specular = formats.num_channels - formats.num_specular
+    first_specular = len(pointed) if through_tables else formats.num_channels - formats.num_specular
     coefficients = np.zeros((formats.num_channels, SHADED_COLOURS))
     samples = np.zeros((len(projected), formats.num_channels, len(SAMPLE_POINTS)))
     orders = np.full((len(projected), formats.num_channels), CONSTANT, dtype=np.int64)
@@ -164,6 +177,11 @@ def sample_specular(
     ambient = sum(
         (np.asarray(light.colour) for light in lights if isinstance(light, AmbientLight)), np.zeros(3)
     ) * (np.asarray(material.ambient) * material.colour)
+    others = formats.num_channels - first_specular
+    if curves is None:
+        tables = [power_curve(material.exponent)] * others
+    else:
+        tables = [curves[0]] * first_specular + [curves[1]] * others
     names = [f"d{index}" for index in range(first_specular)]
     return ScreenTriangles(
         projected.width,
@@ -172,13 +190,13 @@ def sample_specular(
         samples,
         orders,
         projected.depth if formats.with_depth else None,
-        (*names, *(f"s{index}" for index in range(formats.num_specular))),
+        (*names, *(f"s{index}" for index in range(others))),
         shade_state(
             formats,
             ambient,
             coefficients,
-            [power_curve(material.exponent)] * formats.num_specular,
-            gated=(1 << len(pointed)) - 1,
+            tables,
+            gated=0 if through_tables else (1 << len(pointed)) - 1,
         ),
     )
 
