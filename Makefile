@@ -90,6 +90,10 @@ test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iC
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
 	@$(VENV) scripts/adapt.py
 
+.PHONY: edges
+edges: setup ## edge maps against the mesh's edges; docs/reports/edges.md, docs/images/styles.png
+	@$(VENV) scripts/edges.py
+
 .PHONY: cho
 cho: setup ## Cho's tables on a teapot of 896 triangles, 60 views; writes docs/reports/cho.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) scripts/cho.py

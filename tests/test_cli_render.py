@@ -177,7 +177,7 @@ BAD_FILES = {
         ["missing.obj"],
         ["sphere:167"],
         ["sphere:99999999"],
-        ["cube:3"],
+        ["cone:3"],
         *([name] for name in BAD_FILES),
         ["sphere:168", "--shading", "cartoon"],
         ["sphere:168", "--engine", "verilog"],

@@ -34,6 +34,8 @@ def as_trimesh(mesh) -> trimesh.Trimesh:
         ("torus:3x3", 18, 0, 0.3),
         ("icosphere:0", 20, 2, 2.5),
         ("icosphere:3", 1280, 2, 4.1),
+        ("cube:1", 12, 2, 7.9),
+        ("cube:3", 108, 2, 7.9),
     ],
 )
 def test_generated_mesh_is_closed_outward_and_has_the_count(scene, count, euler, volume):
@@ -77,8 +79,10 @@ def test_an_impossible_count_names_the_nearest_possible_ones():
         "torus:2x9",
         "torus:7",
         "icosphere:9",
+        "cube:0",
+        "cube:1x1",
         "icosphere:1x1",
-        "cube:12",
+        "cone:12",
         "no_such_thing",
         "nothing.obj",
         "",

@@ -32,6 +32,7 @@ from quadshade.cli.scene_options import (
     show_scene,
 )
 from quadshade.cli.setup_options import undefined_note
+from quadshade.cli.style_options import StyleChoice, draw_style, style_options, styled_choice, styled_scene
 from quadshade.errors import QuadshadeError
 
 if TYPE_CHECKING:
@@ -43,15 +44,22 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", required=True, type=PATH, help="PNG file to write.")
 @engine_option
 @scene_options
+@style_options
 @stats_option
 @waves_option
 def render(
-    output: Path, engine: str | None, choice: SceneChoice, stats: Path | None, waves: Path | None
+    output: Path,
+    engine: str | None,
+    choice: SceneChoice,
+    style_choice: StyleChoice,
+    stats: Path | None,
+    waves: Path | None,
 ) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
 
-    Generated: sphere:168, sphere:12x17 (stacks x slices), torus:288, torus:16x9 (rings x sides), icosphere:3.
+    Generated: sphere:168, sphere:12x17 (stacks x slices), torus:288, torus:16x9 (rings x sides), icosphere:3,
+    cube:2 (divisions of an edge).
 
     \b
     quadshade render sphere:168 -o sphere.png --exponent 50
@@ -61,22 +69,24 @@ def render(
     quadshade render torus:288 -o torus.png --generic stream_width=128
     quadshade render sphere:690 -o sphere.png --max-error 4
     quadshade render sphere:690 -o sphere.png --budget 30000bytes --error-measure rms
+    quadshade render part.stl -o part.png --style gooch --edges profile,inner
     """
     with leave_at_once():
         from quadshade.engine import default_engine
         from quadshade.image import paint, write_png
 
-        if not choice.scene.startswith(("sphere:", "torus:")):
+        if not choice.scene.startswith(("sphere:", "torus:", "cube:")):
             import trimesh  # noqa: F401 - what reads it takes it from there
 
+    choice = styled_choice(style_choice, choice)
     formats = choice.checked()
     if output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
     # Phong shading is the host's own work: of the engine it needs coverage and depth only.
     engine = engine or ("model" if choice.shading == PHONG else default_engine())
-    check_writable(output, stats, waves, inputs=[choice.path])
+    check_writable(output, stats, waves, style_choice.gbuffer, inputs=[choice.path])
 
-    scene = show_scene(choice, formats)
+    scene = styled_scene(style_choice, show_scene(choice, formats))
     projected = scene.projected
     with progress(f"drawing {len(projected)} triangles with the engine {engine}"):
         triangles, formats, adapted = shade_scene(choice, scene, formats)
@@ -85,10 +95,11 @@ def render(
             choice.adapt_choice, adapted, drawing, projected, scene.lights, scene.surface, formats
         )
     picture = paint(shown, value, scene.ground, (1 << formats.value_bits) - 1)
+    picture, more = draw_style(style_choice, picture, shown, scene, choice.generics, engine)
     write_atomically(output, lambda temporary: write_png(temporary, picture))
     if stats is not None:
         kind = "adaptive" if adaptive else choice.shading
-        write_json(stats, _stats(drawing, choice.scene, kind, scene.faces, shown) | adaptive)
+        write_json(stats, _stats(drawing, choice.scene, kind, scene.faces, shown) | adaptive | more)
     clocks = "" if choice.shading == PHONG else f", {drawing.stats['clocks']} clocks"
     clocks += undefined_note(drawing.stats, choice.setup_choice["method"])
     click.echo(

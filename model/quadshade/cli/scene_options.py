@@ -47,7 +47,7 @@ class SceneChoice:
     reflectance: str | None
     cull: bool
     crease: float | None
-    background: str
+    background: str | None
     generics: tuple[str, ...]
     setup_choice: dict
     adapt_choice: dict | None
@@ -161,7 +161,9 @@ def scene_options(command: Callable) -> Callable:
             "[default: the file's normals, else 60]",
         ),
         click.option(
-            "--background", default="0", metavar="R,G,B", help="0..1; one number is grey.  [default: black]"
+            "--background",
+            metavar="R,G,B",
+            help="0..1; one number is grey.  [default: black; white with --style or --edges]",
         ),
         setup_options(SETUPS),
         adapt_options,
@@ -195,7 +197,7 @@ def show_scene(choice: SceneChoice, formats: Formats) -> ShownScene:
     lights = tuple(parse_light(text) for text in choice.light_texts) or None
     reflectance = None if choice.reflectance is None else load_reflectance(choice.reflectance)
     surface = parse_material(choice.material, choice.exponent, reflectance)
-    ground = parse_background(choice.background)
+    ground = parse_background("0" if choice.background is None else choice.background)
     with progress(f"reading {choice.scene}"):
         mesh = load_scene(choice.scene, choice.crease)
         camera = parse_camera(choice.camera, mesh)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """
-Generated scenes: ``sphere:168``, ``sphere:12x17``, ``torus:288``, ``torus:16x9``, ``icosphere:3``.
+Generated scenes: ``sphere:168``, ``sphere:12x17``, ``torus:288``, ``torus:16x9``, ``icosphere:3``,
+``cube:2``.
 
 The latitude-longitude spheres of 7 x 14, 12 x 17 and 16 x 23 stacks and slices have the 168, 374 and 690
 triangles of Abbas et al., section 6.
@@ -16,10 +17,10 @@ from collections.abc import Callable
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.mesh import Mesh
+from quadshade.scene.mesh import Mesh, merge_vertices
 
 MAX_TRIANGLES = 5_000_000
-EXAMPLES = "sphere:168, sphere:12x17, torus:288, torus:16x9, icosphere:3"
+EXAMPLES = "sphere:168, sphere:12x17, torus:288, torus:16x9, icosphere:3, cube:2"
 TORUS_RADIUS, TUBE_RADIUS = 1.0, 0.4
 
 
@@ -47,7 +48,9 @@ def generate(scene: str) -> Mesh:
       An unknown kind, or a count that no such mesh has; the message names the nearest that are possible.
     """
     kind, _, size = scene.partition(":")
-    if kind not in ("sphere", "torus", "icosphere") or not re.fullmatch(r"[0-9]{1,9}(x[0-9]{1,9})?", size):
+    if kind not in ("sphere", "torus", "icosphere", "cube") or not re.fullmatch(
+        r"[0-9]{1,9}(x[0-9]{1,9})?", size
+    ):
         raise QuadshadeError(f"{scene!r} is not a scene that can be generated", f"examples: {EXAMPLES}")
     numbers = tuple(int(number) for number in size.split("x"))
     if kind == "icosphere":
@@ -56,6 +59,10 @@ def generate(scene: str) -> Mesh:
                 f"{scene!r} is not an icosphere", "give 0 to 8 subdivisions, e.g. icosphere:3"
             )
         return icosphere(numbers[0])
+    if kind == "cube":
+        if len(numbers) != 1 or numbers[0] < 1:
+            raise QuadshadeError(f"{scene!r} is not a cube", "give the divisions of an edge, e.g. cube:2")
+        return cube(numbers[0])
     if kind == "sphere":
         return sphere(*(numbers if len(numbers) == 2 else _divide(scene, numbers[0], _sphere_divisions)))
     return torus(*(numbers if len(numbers) == 2 else _divide(scene, numbers[0], _torus_divisions)))
@@ -197,6 +204,40 @@ def icosphere(subdivisions: int) -> Mesh:
     vertices = np.array(made.vertices) / np.linalg.norm(made.vertices, axis=1, keepdims=True)
     faces = np.array(made.faces, dtype=np.int64)
     return Mesh(vertices, faces, vertices[faces])
+
+
+def cube(divisions: int) -> Mesh:
+    """
+    A cube from -1 to 1 with sharp edges.
+
+    Parameters
+    ----------
+    divisions : int
+      Of an edge, at least 1; 12 * divisions**2 triangles.
+
+    Returns
+    -------
+    Mesh
+    """
+    _check_count(f"cube:{divisions}", 12 * divisions**2)
+    # Symmetric to the last bit, so that sides meet in the same vertices.
+    step = (2 * np.arange(divisions + 1) - divisions) / divisions
+    down, across = (grid.ravel() for grid in np.meshgrid(step, step, indexing="ij"))
+    row, column = np.divmod(np.arange(divisions**2), divisions)
+    corner = row * (divisions + 1) + column
+    below = corner + divisions + 1
+    first, second = (corner, below, corner + 1), (below, below + 1, corner + 1)
+    side = np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=1).reshape(-1, 3)
+    vertices, faces, normals = [], [], []
+    for axis in range(3):
+        for sign in (1, -1):
+            plane = np.empty((len(down), 3))
+            plane[:, axis], plane[:, axis - 2], plane[:, axis - 1] = sign, down, sign * across
+            faces.append(side + len(down) * len(vertices))
+            vertices.append(plane)
+            normals.append(np.broadcast_to(sign * np.eye(3)[axis], (len(side), 3, 3)))
+    joined = merge_vertices(np.concatenate(vertices), np.concatenate(faces))
+    return Mesh(*joined, np.concatenate(normals))
 
 
 def _quads(row: np.ndarray, column: np.ndarray, columns: int, rows: int) -> np.ndarray:
