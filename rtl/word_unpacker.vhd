@@ -62,41 +62,7 @@ architecture rtl of word_unpacker is
 
   subtype position_t is u_unsigned(width_size - 1 downto 0);
   subtype address_t is u_unsigned(address_size - 1 downto 0);
-  -- By the kind of a field; the last one: a channel's word.
-  type positions_t is array (0 to num_packed_kinds) of position_t;
-
-  function last_positions return positions_t is
-    constant bits : natural_vector_t(0 to num_packed_kinds - 1) := packed_kind_bits(formats);
-    variable v : positions_t;
-  begin
-    for kind in 0 to num_packed_kinds - 1 loop
-      v(kind) := to_unsigned(bits(kind) - 1, width_size);
-    end loop;
-    v(num_packed_kinds) := to_unsigned(word_width - 1, width_size);
-    return v;
-  end function;
-
-  constant last_position : positions_t := last_positions;
-
-  subtype fills_t is std_ulogic_vector(0 to num_packed_kinds);
-
-  -- By the kind of a field: whether it has this fill; a word has its sign.
-  function has_fill(fill : natural) return fills_t is
-    variable v : fills_t := (others => '0');
-  begin
-    for kind in 0 to num_packed_kinds - 1 loop
-      if packed_fills(kind) = fill then
-        v(kind) := '1';
-      end if;
-    end loop;
-    if fill = fill_sign then
-      v(num_packed_kinds) := '1';
-    end if;
-    return v;
-  end function;
-
-  constant fills_one : fills_t := has_fill(fill_one);
-  constant fills_sign : fills_t := has_fill(fill_sign);
+  constant kind_bits : natural_vector_t(0 to num_packed_kinds - 1) := packed_kind_bits(formats);
 
   type step_t is (
     clearing, waiting, listing, changing, storing, flagging, asking, ordering,
@@ -188,7 +154,8 @@ begin
   control : process (all)
     variable v : state_t;
     variable line_bit, sent, take, room : std_ulogic;
-    variable field_kind : natural range 0 to num_packed_kinds;
+    variable last : position_t;
+    variable fill : natural range 0 to 3;
   begin
     v := state;
     line_bit := packed_data(to_integer(state.index));
@@ -203,10 +170,15 @@ begin
     if state.position >= state.below and state.position <= fetched then
       sent := '1';
     end if;
-    field_kind := num_packed_kinds;
-    if state.in_words = '0' then
-      field_kind := to_integer(state.part);
-    end if;
+    -- A field's last bit and fill; an array of constants would be a memory, and unknown to proofs.
+    last := to_unsigned(word_width - 1, width_size);
+    fill := fill_sign;
+    for kind in 0 to num_packed_kinds - 1 loop
+      if state.in_words = '0' and state.part = kind then
+        last := to_unsigned(kind_bits(kind) - 1, width_size);
+        fill := packed_fills(kind);
+      end if;
+    end loop;
     -- A case would be a latch in GHDL's netlist: not every code is a step.
     if state.step = clearing then
       write_enable <= '1';
@@ -293,7 +265,7 @@ begin
       v.fill := '0';
       if state.in_words = '1' then
         v.below := fetched;
-      elsif fills_one(field_kind) = '1' then
+      elsif fill = fill_one then
         v.fill := '1';
       end if;
       v.step := running;
@@ -307,11 +279,11 @@ begin
       if room = '1' and (sent = '0' or packed_valid = '1') then
         take := sent;
         give <= '1';
-        if sent = '1' and fills_sign(field_kind) = '1' then
+        if sent = '1' and fill = fill_sign then
           v.fill := line_bit;
         end if;
         v.position := state.position + 1;
-        if state.position = last_position(field_kind) then
+        if state.position = last then
           v.step := reading;
           v.part := state.part + 1;
           if state.in_words = '1' then
