@@ -71,6 +71,10 @@ simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/r
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) scripts/faults.py
 
+.PHONY: linkbytes
+linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
+	@$(VENV) scripts/link_bytes.py
+
 .PHONY: report
 report: setup ## what accuracy costs, as a page: build/report/index.html; goes on after a kill
 	@$(VENV) scripts/report.py --jobs $(JOBS)

@@ -124,7 +124,7 @@ def test_short_edges_have_the_same_columns(seed: int) -> None:
 
 
 @pytest.mark.parametrize("camera", ["", "ortho=1.1"])
-@pytest.mark.parametrize(("shading", "most"), [("quadratic", 44), ("quadratic-specular", 44)])
+@pytest.mark.parametrize(("shading", "most"), [("quadratic", 45), ("quadratic-specular", 45)])
 def test_bytes_of_a_triangle(camera: str, shading: str, most: int) -> None:
     primitives, formats, state = scene("sphere:690", camera, shading)
     batch = pack_primitives(primitives, formats, PACK_ERROR, state)

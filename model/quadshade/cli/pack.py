@@ -41,7 +41,7 @@ class PackError(click.ParamType):
 pack_error_option = click.option(
     "--pack-error",
     type=PackError(),
-    default="0.0625",
+    default="0.03125",
     show_default=True,
     help="Grey levels that words with fewer fraction bits may add to a pixel's error; 0 leaves every word "
     "and every edge as it is (docs/packing.md).",

@@ -31,7 +31,7 @@ from quadshade.setup.shade_state import ShadeState, channel_gains
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.short_words import NUM_PLANES, short_words
 
-PACK_ERROR = 1.0 / 16.0
+PACK_ERROR = 1.0 / 32.0
 """Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
 
 LEAST_GAIN = 2.0**-20
