@@ -160,6 +160,14 @@ limits: setup ## the core beside a lone accumulator on every device of the table
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
 	@JOBS=$(JOBS) $(VENV) scripts/screen.py --seeds $(SEEDS)
 
+.PHONY: bitstream
+bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f or icebreaker
+	@$(VENV) scripts/bitstream.py build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
+
+.PHONY: program
+program: setup ## load that bitstream into the board, with openFPGALoader, fujprog or iceprog
+	@$(VENV) scripts/bitstream.py program $(if $(BOARD),--board $(BOARD))
+
 .PHONY: synth-check
 synth-check: setup ## measure the table synth/resources.json again and compare (slow)
 	@JOBS=$(JOBS) $(VENV) scripts/synth.py check

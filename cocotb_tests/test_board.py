@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole board through its two pins: scenes by the host's own code, every plane read back, RESET, lights."""
+"""The whole board through its two pins: scenes by the host's own code, every plane, RESET, lights."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes of every plane against the model: exactly as many as were asked for, at every pace, after a reset too."""
+"""Bytes of every plane against the model: exactly as many as were asked for, at every pace, after resets."""
 
 from __future__ import annotations
 

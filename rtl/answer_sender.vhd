@@ -94,45 +94,45 @@ begin
         shift <= x"00" & shift(31 downto 8);
         left <= left - 1;
       end if;
-      case place is
-        when waiting =>
-          index <= (others => '0');
-          words_left <= answer_words;
-          bytes_left <= answer_bytes;
-          if answer_valid = '1' then
-            shift <= std_ulogic_vector(length) & answer_number & answer_opcode;
-            left <= to_unsigned(4, 3);
-            place <= header;
-          end if;
-        when header | words =>
-          if loads_word = '1' then
-            shift <= word_data;
-            left <= to_unsigned(4, 3);
-            index <= index + 1;
-            words_left <= words_left - 1;
-            place <= words;
-          elsif left = 0 then
-            place <= finish;
-            if bytes_left /= 0 then
-              place <= stream;
-            end if;
-          end if;
-        when stream =>
-          if accepted = '1' then
-            bytes_left <= bytes_left - 1;
-            if bytes_left = 1 then
-              place <= finish;
-            end if;
-          end if;
-        when finish =>
-          shift <= crc;
+      -- No case statement: GHDL 2.0 gives that of all places no default, and Yosys a latch.
+      if place = waiting then
+        index <= (others => '0');
+        words_left <= answer_words;
+        bytes_left <= answer_bytes;
+        if answer_valid = '1' then
+          shift <= std_ulogic_vector(length) & answer_number & answer_opcode;
           left <= to_unsigned(4, 3);
-          place <= checksum;
-        when checksum =>
-          if accepted = '1' and left = 1 then
-            place <= waiting;
+          place <= header;
+        end if;
+      elsif place = header or place = words then
+        if loads_word = '1' then
+          shift <= word_data;
+          left <= to_unsigned(4, 3);
+          index <= index + 1;
+          words_left <= words_left - 1;
+          place <= words;
+        elsif left = 0 then
+          place <= finish;
+          if bytes_left /= 0 then
+            place <= stream;
           end if;
-      end case;
+        end if;
+      elsif place = stream then
+        if accepted = '1' then
+          bytes_left <= bytes_left - 1;
+          if bytes_left = 1 then
+            place <= finish;
+          end if;
+        end if;
+      elsif place = finish then
+        shift <= crc;
+        left <= to_unsigned(4, 3);
+        place <= checksum;
+      else
+        if accepted = '1' and left = 1 then
+          place <= waiting;
+        end if;
+      end if;
       if reset = '1' then
         place <= waiting;
         left <= (others => '0');

@@ -37,15 +37,17 @@ entity board is
     screen_height : positive := 240;
     with_edge_map : natural := 0;
     -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
-    single_port_memory : natural := 0
+    single_port_memory : natural := 0;
+    -- STATUS counts in fewer bits, on small devices.
+    most_counter_bits : positive := 32
   );
   port (
     clk : in std_ulogic;
     reset : in std_ulogic;
     rx : in std_ulogic;
     tx : out std_ulogic;
-    -- 0 a good frame came, 1 something was drawn, 2 a frame was damaged or refused, 3 something was sent: each
-    -- in the last sixteenth of a second.
+    -- In the last sixteenth of a second: 0 a good frame came, 1 something was drawn, 2 a frame was damaged or
+    -- refused, 3 something was sent.
     led : out std_ulogic_vector(7 downto 0)
   );
 end entity;
@@ -140,7 +142,7 @@ begin
       clk_frequency_hz => clk_frequency_hz, default_phase_step => phase_step_of(baud, clk_frequency_hz),
       fifo_words => fifo_words, features => features,
       screen_width => screen_width, screen_height => screen_height, colour_bytes => colours,
-      depth_bytes => depth_bytes
+      depth_bytes => depth_bytes, most_counter_bits => most_counter_bits
     )
     port map (
       clk => clk, reset => reset,

@@ -59,63 +59,63 @@ begin
   control : process (clk)
   begin
     if rising_edge(clk) then
-      case place is
-        when waiting =>
-          if byte_valid = '1' then
-            place <= leading;
+      -- No case statement: GHDL 2.0 gives that of all places no default, and Yosys a latch.
+      if place = waiting then
+        if byte_valid = '1' then
+          place <= leading;
+        end if;
+        count <= (others => '0');
+        last_seen <= '0';
+        zero_last <= '0';
+      elsif place = leading then
+        if line_ready = '1' then
+          place <= gathering;
+        end if;
+      elsif place = gathering then
+        sent <= (others => '0');
+        if byte_valid = '1' then
+          last_seen <= byte_last;
+          if byte_data = x"00" then
+            zero_last <= byte_last;
+            place <= code;
+          else
+            count <= count + 1;
+            if byte_last = '1' or count = longest - 1 then
+              place <= code;
+            end if;
           end if;
+        end if;
+      elsif place = code then
+        if line_ready = '1' then
+          place <= fetching;
+        end if;
+      elsif place = fetching then
+        -- Also where a block is done: the next one, the empty one, or the end.
+        place <= arriving;
+        if sent = count then
           count <= (others => '0');
-          last_seen <= '0';
-          zero_last <= '0';
-        when leading =>
-          if line_ready = '1' then
-            place <= gathering;
-          end if;
-        when gathering =>
           sent <= (others => '0');
-          if byte_valid = '1' then
-            last_seen <= byte_last;
-            if byte_data = x"00" then
-              zero_last <= byte_last;
-              place <= code;
-            else
-              count <= count + 1;
-              if byte_last = '1' or count = longest - 1 then
-                place <= code;
-              end if;
-            end if;
+          zero_last <= '0';
+          if last_seen = '0' then
+            place <= gathering;
+          elsif zero_last = '1' then
+            place <= code;
+          else
+            place <= trailing;
           end if;
-        when code =>
-          if line_ready = '1' then
-            place <= fetching;
-          end if;
-        when fetching =>
-          -- Also where a block is done: the next one, the empty one, or the end.
-          place <= arriving;
-          if sent = count then
-            count <= (others => '0');
-            sent <= (others => '0');
-            zero_last <= '0';
-            if last_seen = '0' then
-              place <= gathering;
-            elsif zero_last = '1' then
-              place <= code;
-            else
-              place <= trailing;
-            end if;
-          end if;
-        when arriving =>
-          place <= sending;
-        when sending =>
-          if line_ready = '1' then
-            sent <= sent + 1;
-            place <= fetching;
-          end if;
-        when trailing =>
-          if line_ready = '1' then
-            place <= waiting;
-          end if;
-      end case;
+        end if;
+      elsif place = arriving then
+        place <= sending;
+      elsif place = sending then
+        if line_ready = '1' then
+          sent <= sent + 1;
+          place <= fetching;
+        end if;
+      else
+        if line_ready = '1' then
+          place <= waiting;
+        end if;
+      end if;
       if reset = '1' then
         place <= waiting;
       end if;

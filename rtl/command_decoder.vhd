@@ -39,7 +39,9 @@ entity command_decoder is
     screen_width : natural := 320;
     screen_height : natural := 240;
     colour_bytes : natural := 3;
-    depth_bytes : natural := 2
+    depth_bytes : natural := 2;
+    -- Counters have no more bits than this.
+    most_counter_bits : positive := 32
   );
   port (
     clk : in std_ulogic;
@@ -206,7 +208,7 @@ begin
   events(counter_framing_errors) <= line_error;
 
   counter_gen : for index in 0 to num_counters - 1 generate
-    signal value : u_unsigned(counter_bits(index) - 1 downto 0) := (others => '0');
+    signal value : u_unsigned(minimum(counter_bits(index), most_counter_bits) - 1 downto 0) := (others => '0');
   begin
     count : process (clk)
     begin

@@ -109,61 +109,61 @@ begin
         crc_known <= '1';
         crc_value <= frame_crc_value;
       end if;
-      case place is
-        when header =>
-          crc_known <= '0';
-          code <= fifo_data(7 downto 0);
-          code_number <= fifo_data(15 downto 8);
-          words_left <= unsigned(fifo_data(25 downto 18));
-          if fifo_valid = '1' then
-            place <= gather;
-            if fifo_data(7 downto 0) = opcode_triangles then
-              place <= pass;
-            end if;
+      -- No case statement: GHDL 2.0 gives that of all places no default, and Yosys a latch.
+      if place = header then
+        crc_known <= '0';
+        code <= fifo_data(7 downto 0);
+        code_number <= fifo_data(15 downto 8);
+        words_left <= unsigned(fifo_data(25 downto 18));
+        if fifo_valid = '1' then
+          place <= gather;
+          if fifo_data(7 downto 0) = opcode_triangles then
+            place <= pass;
           end if;
-        when gather =>
-          if fifo_valid = '1' then
-            word_0 <= fifo_data;
-            word_1 <= word_0;
-            word_2 <= word_1;
-            address <= unsigned(fifo_data);
-            words_left <= words_left - 1;
-            if code = opcode_state or words_left = 1 then
-              place <= settle;
-            end if;
+        end if;
+      elsif place = gather then
+        if fifo_valid = '1' then
+          word_0 <= fifo_data;
+          word_1 <= word_0;
+          word_2 <= word_1;
+          address <= unsigned(fifo_data);
+          words_left <= words_left - 1;
+          if code = opcode_state or words_left = 1 then
+            place <= settle;
           end if;
-        when settle =>
-          if core_idle = '1' then
-            place <= dispatch;
-            if code = opcode_state then
-              place <= pass;
-            end if;
+        end if;
+      elsif place = settle then
+        if core_idle = '1' then
+          place <= dispatch;
+          if code = opcode_state then
+            place <= pass;
           end if;
-        when dispatch =>
-          if code = opcode_clear then
-            if clear_ready = '1' then
-              place <= header;
-            end if;
-          elsif code = opcode_read then
-            if read_ready = '1' then
-              place <= answer;
-            end if;
-          elsif frame_crc_ready = '1' then
-            place <= answer;
-          end if;
-        when pass =>
-          if fifo_valid = '1' and ready = '1' then
-            address <= address + 1;
-            words_left <= words_left - 1;
-            if words_left = 1 then
-              place <= header;
-            end if;
-          end if;
-        when answer =>
-          if due = '1' and result_taken = '1' then
+        end if;
+      elsif place = dispatch then
+        if code = opcode_clear then
+          if clear_ready = '1' then
             place <= header;
           end if;
-      end case;
+        elsif code = opcode_read then
+          if read_ready = '1' then
+            place <= answer;
+          end if;
+        elsif frame_crc_ready = '1' then
+          place <= answer;
+        end if;
+      elsif place = pass then
+        if fifo_valid = '1' and ready = '1' then
+          address <= address + 1;
+          words_left <= words_left - 1;
+          if words_left = 1 then
+            place <= header;
+          end if;
+        end if;
+      else
+        if due = '1' and result_taken = '1' then
+          place <= header;
+        end if;
+      end if;
       if reset = '1' then
         place <= header;
       end if;

@@ -98,21 +98,21 @@ begin
   reading : process (clk)
   begin
     if rising_edge(clk) then
-      case place is
-        when empty =>
-          if taken /= committed then
-            place <= fetching;
-          end if;
-        when fetching =>
-          place <= arriving;
-        when arriving =>
-          place <= shown;
-        when shown =>
-          if read_ready = '1' then
-            taken <= taken + 1;
-            place <= empty;
-          end if;
-      end case;
+      -- No case statement: GHDL 2.0 gives that of all places no default, and Yosys a latch.
+      if place = empty then
+        if taken /= committed then
+          place <= fetching;
+        end if;
+      elsif place = fetching then
+        place <= arriving;
+      elsif place = arriving then
+        place <= shown;
+      else
+        if read_ready = '1' then
+          taken <= taken + 1;
+          place <= empty;
+        end if;
+      end if;
       if reset = '1' then
         taken <= (others => '0');
         place <= empty;

@@ -162,7 +162,8 @@ begin
     )
     port map (
       clk => clk, reset => reset, clear => clear_picture,
-      clear_value => u_unsigned(clear_colour(value_bits - 1 downto 0)), busy => open, idle => framebuffer_idle,
+      clear_value => u_unsigned(clear_colour(value_bits - 1 downto 0)), busy => open,
+      idle => framebuffer_idle,
       pixel_valid => kept_valid, pixel_ready => kept_ready, pixel_x => kept_x, pixel_y => kept_y,
       pixel_value => kept_value,
       read_enable => memory_enable, read_address => memory_address, read_value => stored_value
@@ -178,41 +179,41 @@ begin
   begin
     if rising_edge(clk) then
       frame_crc_done <= '0';
-      case place is
-        when rest =>
-          x <= resize(read_x, coord_bits);
-          y <= resize(read_y, coord_bits);
-          columns <= resize(read_width, coord_bits + 1);
-          count <= resize(read_count, count_bits);
-          plane <= read_plane;
-          summing <= '0';
-          if take_crc = '1' then
-            x <= (others => '0');
-            y <= (others => '0');
-            columns <= to_unsigned(width, coord_bits + 1);
-            count <= to_unsigned(num_pixels * num_channels, count_bits);
-            if frame_crc_plane(1) = '1' then
-              count <= to_unsigned(num_pixels * edge_bytes, count_bits);
-            elsif frame_crc_plane(0) = '1' then
-              count <= to_unsigned(num_pixels * depth_bytes, count_bits);
-            end if;
-            plane <= frame_crc_plane;
-            summing <= '1';
+      -- No case statement: GHDL 2.0 gives one of four places no default, and Yosys a latch.
+      if place = rest then
+        x <= resize(read_x, coord_bits);
+        y <= resize(read_y, coord_bits);
+        columns <= resize(read_width, coord_bits + 1);
+        count <= resize(read_count, count_bits);
+        plane <= read_plane;
+        summing <= '0';
+        if take_crc = '1' then
+          x <= (others => '0');
+          y <= (others => '0');
+          columns <= to_unsigned(width, coord_bits + 1);
+          count <= to_unsigned(num_pixels * num_channels, count_bits);
+          if frame_crc_plane(1) = '1' then
+            count <= to_unsigned(num_pixels * edge_bytes, count_bits);
+          elsif frame_crc_plane(0) = '1' then
+            count <= to_unsigned(num_pixels * depth_bytes, count_bits);
           end if;
-          if take_read = '1' or take_crc = '1' then
-            place <= begins;
-          end if;
-        when begins =>
-          place <= runs;
-        when runs =>
-          if byte_valid = '1' and byte_ready = '1' and byte_last = '1' then
-            place <= ends;
-          end if;
-        when ends =>
-          -- The CRC of the last byte stands now; what was read beyond the area is forgotten.
-          frame_crc_done <= summing;
-          place <= rest;
-      end case;
+          plane <= frame_crc_plane;
+          summing <= '1';
+        end if;
+        if take_read = '1' or take_crc = '1' then
+          place <= begins;
+        end if;
+      elsif place = begins then
+        place <= runs;
+      elsif place = runs then
+        if byte_valid = '1' and byte_ready = '1' and byte_last = '1' then
+          place <= ends;
+        end if;
+      else
+        -- The CRC of the last byte stands now; what was read beyond the area is forgotten.
+        frame_crc_done <= summing;
+        place <= rest;
+      end if;
       if reset = '1' or read_reset = '1' then
         place <= rest;
         frame_crc_done <= '0';

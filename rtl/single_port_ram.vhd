@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
 -- Memory of one port, for many words of few bits: a cycle writes, or moves both registers of the read port.
--- No initial contents; a cycle that does both writes, and what is read is undefined.
+-- No initial contents; after a cycle that writes, what was fetched for the second register is undefined.
 -- On iCE40UP5K synth/cells/single_port_ram.v takes its place: SPRAM, two words of eight bits side by side.
 --
 -- Model: single_port_ram.py.  Test: test_single_port_ram.py.  Latency: 2 enabled cycles.

@@ -25,8 +25,8 @@ class SinglePortRam(BlockRam):
         write : (int, int) or None
           Address and word.
         read_address : int or None
-          None if the read port is not enabled. In a cycle that writes, what is fetched is undefined.
+          None if the read port is not enabled. A cycle that writes leaves what is fetched undefined.
         """
         super().clock(write, read_address)
-        if write is not None and read_address is not None:
+        if write is not None:
             self.fetched = None

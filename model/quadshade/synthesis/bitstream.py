@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a board's file in ``synth/boards`` to its packed bitstream, with the clocks that it has to keep."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from quadshade.engine.netlist import write_netlist
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.synthesis.devices import Device, find_board
+from quadshade.synthesis.flow import find_tool, mapping_commands, run_tool, run_yosys, tool_version
+
+ENTITY = "board"
+TOP = "top"
+RESET = "power_on_reset.v"
+SINGLE_PORT = re.compile(r"^module (single_port_ram_(\d+)_8)\b.*?^endmodule\n", re.MULTILINE | re.DOTALL)
+BAUD = 1_000_000
+
+PACKERS = {"ecp5": ("yowasp-ecppack", "--compress"), "ice40": ("yowasp-icepack",)}
+SUFFIXES = {"ecp5": ".bit", "ice40": ".bin"}
+ROUTED = {"ecp5": ("--textcfg", "--lpf"), "ice40": ("--asc", "--pcf")}
+"""nextpnr's options for what it writes and for the pins."""
+
+AREA = {
+    "ecp5": {
+        "LUT4": "TRELLIS_COMB",
+        "flip-flops": "TRELLIS_FF",
+        "block RAM": "DP16KD",
+        "multipliers": "MULT18X18D",
+    },
+    "ice40": {
+        "LUT4": "ICESTORM_LC",
+        "block RAM": "ICESTORM_RAM",
+        "SPRAM": "ICESTORM_SPRAM",
+        "multipliers": "ICESTORM_DSP",
+    },
+}
+"""What the report shows: nextpnr's cells. On iCE40 a LUT and its flip-flop are one logic cell."""
+
+
+@dataclass(frozen=True)
+class BoardFile:
+    """
+    A board that a bitstream is built for.
+
+    Attributes
+    ----------
+    name : str
+    device : Device
+    top, constraints : Path
+      Verilog with clock and pins, and where these are.
+    clocks : dict of str to float
+      Megahertz that the clocks of the design must reach, by a part of their name.
+    generics : dict of str to int
+      Of the entity ``board``.
+    program : tuple of tuple of str
+      Commands that load a bitstream, the preferred first; its path follows.
+    pack : tuple of str
+      Options of the packer.
+    """
+
+    name: str
+    device: Device
+    top: Path
+    constraints: Path
+    clocks: dict[str, float]
+    generics: dict[str, int]
+    program: tuple[tuple[str, ...], ...]
+    pack: tuple[str, ...] = ()
+
+    @property
+    def family(self) -> str:
+        """``ecp5`` or ``ice40``."""
+        return self.device.name.split("-")[0]
+
+    @property
+    def formats(self) -> Formats:
+        """The core's formats."""
+        known = Formats().generics()
+        return Formats(**{name: value for name, value in self.generics.items() if name in known})
+
+    def bitstream(self, root: Path) -> Path:
+        """Where the bitstream is."""
+        return root / "build" / "bitstream" / f"{self.name}{SUFFIXES[self.family]}"
+
+
+@dataclass(frozen=True)
+class Built:
+    """
+    A bitstream that was built.
+
+    Attributes
+    ----------
+    path : Path
+    seed : int
+      Of nextpnr.
+    clocks : dict of str to (float, float)
+      Megahertz reached and required, by clock.
+    area : dict of str to (int, int)
+      Used and available.
+    """
+
+    path: Path
+    seed: int
+    clocks: dict[str, tuple[float, float]]
+    area: dict[str, tuple[int, int]]
+
+    @property
+    def too_slow(self) -> dict[str, tuple[float, float]]:
+        """Clocks that miss what they must reach."""
+        return {name: pair for name, pair in self.clocks.items() if pair[0] < pair[1]}
+
+
+def read_board(name: str, root: Path) -> BoardFile:
+    """
+    A board by the name of its file.
+
+    Raises
+    ------
+    QuadshadeError
+      There is no such board, its file lacks an entry, or no bitstream is built for it.
+    """
+    device = find_board(name, root)
+    folder = root / "synth" / "boards"
+    settings = tomllib.loads((folder / f"{name}.toml").read_text())
+    missing = [key for key in ("top", "constraints", "clocks", "generics", "program") if key not in settings]
+    if missing:
+        raise QuadshadeError(
+            f"no bitstream is built for {name}: its file has no {missing[0]}",
+            "write it as synth/boards/ulx3s-85f.toml has it",
+        )
+    return BoardFile(
+        name,
+        device,
+        folder / settings["top"],
+        folder / settings["constraints"],
+        {clock: float(mhz) for clock, mhz in settings["clocks"].items()},
+        dict(settings["generics"]),
+        tuple(tuple(command) for command in settings["program"]),
+        tuple(settings.get("pack", ())),
+    )
+
+
+def with_memory_cells(verilog: str, root: Path) -> str:
+    """GHDL's netlist with ``synth/cells/single_port_ram.v`` in the place of that module, where there is one."""
+    found = SINGLE_PORT.search(verilog)
+    if not found:
+        return verilog
+    cells = (root / "synth" / "cells" / "single_port_ram.v").read_text()
+    cells = re.sub(r"\bmodule single_port_ram\b", f"module {found[1]}", cells)
+    cells = re.sub(r"\bnum_words = \d+", f"num_words = {found[2]}", cells)
+    return verilog[: found.start()] + cells + verilog[found.end() :]
+
+
+def clocks_of(report: Mapping, required: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """
+    Clocks of nextpnr's report: reached and required.
+
+    Raises
+    ------
+    QuadshadeError
+      A required clock is not in the report, or one of the report is not required: nothing watches it.
+    """
+    found = {}
+    for net, entry in report.get("fmax", {}).items():
+        names = [name for name in required if name in net]
+        if not names:
+            raise QuadshadeError(f"clock {net} has no limit", "name it in the board's file, under clocks")
+        # The longest name that fits: clk is a part of clk_pixel.
+        name = max(names, key=len)
+        found[name] = (float(entry["achieved"]), required[name])
+    lost = set(required) - set(found)
+    if lost:
+        raise QuadshadeError(f"nextpnr reports no clock {min(lost)}", "has the design lost it?")
+    return found
+
+
+def build(
+    board: BoardFile,
+    root: Path,
+    seeds: range = range(1, 4),
+    progress: Callable[[str], None] = lambda text: None,
+) -> Built:
+    """
+    Synthesise, place, route and pack a board, with one seed after another until its clocks are reached.
+
+    Parameters
+    ----------
+    board : BoardFile
+    root : Path
+      Checkout of Quadshade.
+    seeds : range
+      Of nextpnr.
+    progress : callable
+      Called with a line of text for every step.
+
+    Returns
+    -------
+    Built
+      With the first seed that meets all clocks; the fastest one if none does. Its bitstream is then not
+      written.
+
+    Raises
+    ------
+    QuadshadeError
+      A tool is missing or fails, or the design does not fit.
+    """
+    folder = root / "build" / "bitstream" / board.name
+    folder.mkdir(parents=True, exist_ok=True)
+    progress(f"{board.name}: synthesis")
+    netlist = write_netlist(board.generics, ENTITY)
+    (folder / "board.v").write_text(with_memory_cells(netlist.read_text(), root))
+    sources = [board.top, board.top.with_name(RESET)]
+    for source in sources:
+        shutil.copyfile(source, folder / source.name)
+    names = " ".join(["board.v", *(source.name for source in sources)])
+    # The tops hold cells of the device, which only synthesis itself knows: it checks the hierarchy.
+    commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
+    run_yosys([f"read_verilog {names}", *commands, "write_json mapped.json"], folder)
+    tries = []
+    for seed in seeds:
+        tries.append(_route(board, folder, seed, root))
+        told = ", ".join(
+            f"{name} {mhz:.1f} of {least:g} MHz" for name, (mhz, least) in tries[-1].clocks.items()
+        )
+        progress(f"{board.name}: seed {seed}: {told}")
+        if not tries[-1].too_slow:
+            _pack(board, folder, root)
+            return tries[-1]
+    return max(tries, key=lambda one: min(mhz / least for mhz, least in one.clocks.values()))
+
+
+def _route(board: BoardFile, folder: Path, seed: int, root: Path) -> Built:
+    """One run of nextpnr."""
+    routed, pins = ROUTED[board.family]
+    shutil.copyfile(board.constraints, folder / board.constraints.name)
+    options = [option for option in board.device.nextpnr if not option.endswith("allow-unconstrained")]
+    command = [*options, "--json", "mapped.json", routed, "routed.cfg", pins, board.constraints.name]
+    command += [
+        "--seed",
+        str(seed),
+        "--timing-allow-fail",
+        "--report",
+        "report.json",
+        "-q",
+        "--log",
+        "nextpnr.log",
+    ]
+    if board.family == "ice40":
+        command += ["--freq", str(max(board.clocks.values()))]
+    run_tool(command, folder)
+    report = json.loads((folder / "report.json").read_text())
+    cells = report["utilization"]
+    area = {
+        name: (cells[cell]["used"], cells[cell]["available"]) for name, cell in AREA[board.family].items()
+    }
+    return Built(board.bitstream(root), seed, clocks_of(report, board.clocks), area)
+
+
+def _pack(board: BoardFile, folder: Path, root: Path) -> None:
+    """The bitstream from nextpnr's result, moved to its place."""
+    packed = "packed" + SUFFIXES[board.family]
+    run_tool([*PACKERS[board.family], *board.pack, "routed.cfg", packed], folder)
+    (folder / packed).replace(board.bitstream(root))
+
+
+def program(board: BoardFile, root: Path) -> list[str]:
+    """
+    Load a bitstream that was built into a board.
+
+    Returns
+    -------
+    list of str
+      The command that did it.
+
+    Raises
+    ------
+    QuadshadeError
+      There is no bitstream, no tool that loads it, or the tool fails.
+    """
+    path = board.bitstream(root)
+    if not path.is_file():
+        raise QuadshadeError(
+            f"there is no {path.relative_to(root)}", f"run `make bitstream BOARD={board.name}`"
+        )
+    for command in board.program:
+        if shutil.which(command[0]) is None:
+            continue
+        done = subprocess.run([*command, str(path)], check=False)
+        if done.returncode != 0:
+            raise QuadshadeError(
+                f"{command[0]} failed with exit code {done.returncode}",
+                "is the board connected, and yours to use?",
+            )
+        return [*command, str(path)]
+    tools = " or ".join(command[0] for command in board.program)
+    raise QuadshadeError(
+        f"{tools} is not installed", f"`apt install {board.program[0][0].lower()}`, for example"
+    )
+
+
+def tools_of(board: BoardFile) -> list[str]:
+    """Versions of what builds a board."""
+    find_tool(PACKERS[board.family][0])
+    return [tool_version("pyosys"), tool_version(board.device.nextpnr[0])]

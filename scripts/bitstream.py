@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Bitstreams of the boards: build one, load one, and the page of what was built."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import click
+from rich.console import Console
+
+from quadshade.engine.ghdl import repository_root
+from quadshade.errors import QuadshadeError
+from quadshade.synthesis.bitstream import BoardFile, Built, build, program, read_board, tools_of
+from quadshade.synthesis.table import write_text
+
+console = Console(stderr=True)
+HEAD = """\
+<!-- SPDX-License-Identifier: Apache-2.0 -->
+# Bitstreams
+
+Written by `make bitstream BOARD=...`, which builds through GHDL, Yosys and nextpnr, and fails where a clock is missed.
+On iCE40 a LUT and the flip-flop behind it are one logic cell.
+
+"""
+
+
+class Failure(Exception):
+    """A clock that is missed; exit code 1."""
+
+
+def board_of(name: str | None) -> BoardFile:
+    """The board of the command line."""
+    root = repository_root()
+    if not name:
+        names = ", ".join(sorted(path.stem for path in (root / "synth" / "boards").glob("*.toml")))
+        raise QuadshadeError("no board is given", f"give BOARD=...: {names}")
+    return read_board(name, root)
+
+
+def row_of(board: BoardFile, built: Built) -> dict:
+    """What the report keeps of a build."""
+    size = f"{board.generics['screen_width']} x {board.generics['screen_height']}"
+    return {
+        "device": board.device.name,
+        "screen": size,
+        "area": {name: list(pair) for name, pair in built.area.items()},
+        "clocks": {name: [round(mhz, 1), least] for name, (mhz, least) in built.clocks.items()},
+        "seed": built.seed,
+        "tools": tools_of(board),
+    }
+
+
+def page(rows: dict[str, dict]) -> str:
+    """The report."""
+    kinds = ("LUT4", "flip-flops", "block RAM", "SPRAM", "multipliers")
+    lines = [
+        "| board | device | screen | " + " | ".join(kinds) + " | clocks, MHz reached / required | seed |",
+        "| --- | --- | --- |" + " ---: |" * len(kinds) + " --- | ---: |",
+    ]
+    for name, row in sorted(rows.items()):
+        cells = [" / ".join(map(str, row["area"][kind])) if kind in row["area"] else "" for kind in kinds]
+        clocks = ", ".join(f"{clock} {mhz:.1f} / {least:g}" for clock, (mhz, least) in row["clocks"].items())
+        lines.append(
+            f"| {name} | {row['device']} | {row['screen']} | {' | '.join(cells)} | {clocks} | {row['seed']} |"
+        )
+    tools = sorted({tool for row in rows.values() for tool in row["tools"]})
+    return HEAD + "\n".join(lines) + f"\n\nMade with {', '.join(tools)}.\n"
+
+
+@click.group(help=__doc__)
+def main() -> None:
+    pass
+
+
+@main.command(name="build")
+@click.option("--board", help="For example ulx3s-85f.")
+@click.option("--seeds", default=5, show_default=True, type=click.IntRange(1, 99), help="Seeds to try.")
+def build_command(board: str | None, seeds: int) -> None:
+    """Build a bitstream, and enter it in the report."""
+    root, chosen = repository_root(), board_of(board)
+    built = build(chosen, root, range(1, seeds + 1), lambda text: console.print(text, highlight=False))
+    if built.too_slow:
+        name, (mhz, least) = min(built.too_slow.items())
+        raise Failure(
+            f"{chosen.name}: clock {name} reaches {mhz:.1f} MHz of {least:g}, with the best of {seeds} seeds"
+        )
+    store = root / "docs" / "reports" / "bitstream.json"
+    rows = json.loads(store.read_text()) if store.is_file() else {}
+    rows[chosen.name] = row_of(chosen, built)
+    write_text(store, json.dumps(rows, indent=2, sort_keys=True) + "\n")
+    write_text(store.with_suffix(".md"), page(rows))
+    print(built.path.relative_to(root))
+
+
+@main.command(name="program")
+@click.option("--board", help="For example ulx3s-85f.")
+def program_command(board: str | None) -> None:
+    """Load a bitstream into a board."""
+    print(" ".join(program(board_of(board), repository_root())))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except QuadshadeError as error:
+        print(f"bitstream: error: {error}", file=sys.stderr)
+        sys.exit(2)
+    except Failure as failure:
+        print(f"bitstream: failed: {failure}", file=sys.stderr)
+        sys.exit(1)

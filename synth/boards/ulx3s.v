@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// ULX3S, v2 and v3: the board between its USB serial chip's pins, at 100 MHz from the 25 MHz crystal.
+// Reset after configuration, until the PLL has locked, and while button PWR is pressed.
+
+module top (
+  input clk_25mhz,
+  input ftdi_txd,
+  output ftdi_rxd,
+  input button_power_n,
+  output [7:0] led,
+  output wifi_gpio0
+);
+
+  // Tied high, so that the ESP32 stays out of its loader and keeps the FPGA's configuration.
+  assign wifi_gpio0 = 1'b1;
+
+  wire clk, locked;
+
+  // 25 MHz to 600 MHz in the oscillator (400 to 800 allowed), a sixth of it.
+  (* FREQUENCY_PIN_CLKI = "25" *)
+  (* FREQUENCY_PIN_CLKOP = "100" *)
+  (* ICP_CURRENT = "12" *) (* LPF_RESISTOR = "8" *) (* MFG_ENABLE_FILTEROPAMP = "1" *) (* MFG_GMCREF_SEL = "2" *)
+  EHXPLLL #(
+    .PLLRST_ENA("DISABLED"),
+    .INTFB_WAKE("DISABLED"),
+    .STDBY_ENABLE("DISABLED"),
+    .DPHASE_SOURCE("DISABLED"),
+    .OUTDIVIDER_MUXA("DIVA"),
+    .CLKI_DIV(1),
+    .CLKFB_DIV(4),
+    .FEEDBK_PATH("CLKOP"),
+    .CLKOP_ENABLE("ENABLED"),
+    .CLKOP_DIV(6),
+    .CLKOP_CPHASE(2),
+    .CLKOP_FPHASE(0)
+  ) pll (
+    .RST(1'b0),
+    .STDBY(1'b0),
+    .CLKI(clk_25mhz),
+    .CLKFB(clk),
+    .CLKOP(clk),
+    .PHASESEL0(1'b0),
+    .PHASESEL1(1'b0),
+    .PHASEDIR(1'b1),
+    .PHASESTEP(1'b1),
+    .PHASELOADREG(1'b1),
+    .PLLWAKESYNC(1'b0),
+    .ENCLKOP(1'b0),
+    .LOCK(locked)
+  );
+
+  wire reset;
+  power_on_reset power_on_reset_inst (.clk(clk), .hold(!locked || !button_power_n), .reset(reset));
+
+  board board_inst (.clk(clk), .reset(reset), .rx(ftdi_txd), .tx(ftdi_rxd), .led(led));
+
+endmodule
