@@ -16,10 +16,12 @@ from simulation import identifier, simulate
 
 @dataclass(frozen=True)
 class Config:
-    """``answer_sender`` has no generics."""
+    """Generics of ``answer_sender``."""
+
+    crc_cycles: int = 1
 
 
-@pytest.mark.parametrize("config", [Config()], ids=identifier)
+@pytest.mark.parametrize("config", [Config(), Config(crc_cycles=4)], ids=identifier)
 def test_answer_sender(config: Config) -> None:
     simulate("answer_sender", config)
 

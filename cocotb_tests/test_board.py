@@ -47,6 +47,9 @@ class Config:
     screen_height: int = 6
     with_edge_map: int = 1
     single_port_memory: int = 0
+    most_counter_bits: int = 32
+    single_buffer: int = 0
+    crc_cycles: int = 1
 
     @property
     def formats(self) -> Formats:
@@ -77,13 +80,16 @@ CONFIGS = [
     Config(
         num_channels=1,
         with_depth=0,
-        word_width=28,
-        frac_bits=18,
+        word_width=20,
+        frac_bits=10,
         coord_bits=9,
         span_depth=1,
         fifo_words=256,
         with_edge_map=0,
         single_port_memory=1,
+        most_counter_bits=16,
+        single_buffer=1,
+        crc_cycles=4,
     ),
 ]
 

@@ -22,7 +22,9 @@ FIRST_PIXEL_LATENCY = 11
 
 @dataclass(frozen=True)
 class Config(Formats):
-    """Generics of the core."""
+    """Generics of the core; with a single buffer there are the same pixels, later."""
+
+    single_buffer: int = 0
 
 
 CONFIGS = [
@@ -37,6 +39,16 @@ CONFIGS = [
     Config(num_channels=4, with_depth=0, coord_bits=6, stream_width=128),
     Config(num_channels=1, max_order=1, depth_bits=20, value_bits=12, frac_bits=18, coord_bits=7),
     Config(num_channels=3, max_order=0, with_depth=0, subpixel_bits=0, coord_bits=3, stream_width=128),
+    Config(
+        num_channels=1,
+        with_depth=0,
+        word_width=20,
+        frac_bits=10,
+        subpixel_bits=4,
+        coord_bits=9,
+        single_buffer=1,
+    ),
+    Config(num_channels=2, coord_bits=6, stream_width=64, single_buffer=1),
 ]
 
 
@@ -55,7 +67,11 @@ async def clocks(dut: Any, stall_period: int) -> None:
     takes = (stall_period == 0 or cycle % stall_period != 0 for cycle in count(1))
     run = Run(bench, words, repeat(True), takes)
     await run.finish()
-    bench.check("clocks", run.clocks, draw_fast(words, bench.config, stall_period).clocks)
+    least = draw_fast(words, bench.config, stall_period).clocks
+    if bench.config.single_buffer:
+        bench.check("no fewer clocks", run.clocks >= least, True)
+    else:
+        bench.check("clocks", run.clocks, least)
     if stall_period == 0:
         first_packet = sorted(run.settled)[1]
         latency = run.sink.taken_at[0] - run.source.accepted_at[first_packet - 1]
@@ -98,5 +114,6 @@ async def reset_recovers(dut: Any) -> None:
         words = stimulus(bench, 6)
         run = Run(bench, words, repeat(True), repeat(True))
         await run.finish()
-        bench.check("clocks after the reset", run.clocks, draw_fast(words, bench.config).clocks)
+        if not bench.config.single_buffer:
+            bench.check("clocks after the reset", run.clocks, draw_fast(words, bench.config).clocks)
     bench.finish(at_least=200)

@@ -13,6 +13,9 @@ module depth_test_properties #(
   input clk,
   input reset,
   input clear,
+  input look,
+  input look_enable,
+  input [$clog2(width * height) - 1:0] look_address,
   input pixel_valid,
   input [coord_bits - 1:0] pixel_x,
   input [coord_bits - 1:0] pixel_y,
@@ -35,6 +38,7 @@ module depth_test_properties #(
     .clk(clk), .reset(reset), .clear(clear), .busy(busy), .drained(drained),
     .pixel_valid(pixel_valid), .pixel_ready(pixel_ready), .pixel_x(pixel_x), .pixel_y(pixel_y),
     .pixel_value(pixel_value), .pixel_depth(pixel_depth),
+    .look(look), .look_enable(look_enable), .look_address(look_address),
     .kept_valid(kept_valid), .kept_ready(kept_ready), .kept_x(kept_x), .kept_y(kept_y),
     .kept_value(kept_value), .kept_depth(kept_depth)
   );
@@ -50,6 +54,8 @@ module depth_test_properties #(
   (* hierconn *) wire \dut.filling ;
   (* hierconn *) wire \dut.clear_inst.draining ;
   (* hierconn *) wire \dut.advance ;
+  (* hierconn *) wire \dut.read_enable ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.read_address ;
   (* hierconn *) wire \dut.write_enable ;
   (* hierconn *) wire [address_bits - 1:0] \dut.row_1 ;
   (* hierconn *) wire [address_bits - 1:0] \dut.address_2 ;
@@ -88,9 +94,9 @@ module depth_test_properties #(
   wire written = \dut.write_enable && \dut.write_address == place;
   always @(posedge clk) begin
     if (written) word <= \dut.write_data ;
-    if (\dut.advance ) begin
+    if (\dut.read_enable ) begin
       fetched <= word;
-      fetched_known <= \dut.address_2 == place && !written;
+      fetched_known <= \dut.read_address == place && !written;
       read <= fetched;
       read_known <= fetched_known;
     end

@@ -10,6 +10,10 @@ use ieee.std_logic_1164.all;
 use ieee.numeric_std.all;
 
 entity answer_sender is
+  generic (
+    -- Of crc32: a byte takes at least as many.
+    crc_cycles : positive := 1
+  );
   port (
     clk : in std_ulogic;
     reset : in std_ulogic;
@@ -48,7 +52,7 @@ architecture rtl of answer_sender is
   signal length : u_unsigned(15 downto 0);
   signal crc : std_ulogic_vector(31 downto 0);
   signal crc_byte : std_ulogic_vector(7 downto 0);
-  signal crc_valid, crc_clear, idle : std_ulogic;
+  signal crc_valid, crc_clear, crc_busy, idle : std_ulogic;
   signal valid, accepted, loads_word : std_ulogic;
 
 begin
@@ -57,8 +61,10 @@ begin
   idle <= '1' when place = waiting else '0';
 
   crc_unit : entity work.crc32
+    generic map (cycles => crc_cycles)
     port map (
-      clk => clk, clear => crc_clear, byte_valid => crc_valid, byte_data => crc_byte, crc => crc
+      clk => clk, clear => crc_clear, byte_valid => crc_valid, byte_data => crc_byte, busy => crc_busy,
+      crc => crc
     );
 
   crc_clear <= idle;
@@ -69,10 +75,10 @@ begin
     valid <= '0';
     crc_byte <= shift(7 downto 0);
     if place = stream then
-      valid <= data_valid;
+      valid <= data_valid and not crc_busy;
       crc_byte <= data;
     elsif left /= 0 then
-      valid <= '1';
+      valid <= not crc_busy;
     end if;
   end process;
 
@@ -80,7 +86,7 @@ begin
   byte_valid <= valid;
   accepted <= valid and byte_ready;
   byte_last <= '1' when place = checksum and left = 1 else '0';
-  data_ready <= byte_ready when place = stream else '0';
+  data_ready <= byte_ready and not crc_busy when place = stream else '0';
   answer_ready <= idle;
   word_index <= index;
   -- The word before it is out: header and words are followed by a word while there is one.
@@ -125,9 +131,11 @@ begin
           end if;
         end if;
       elsif place = finish then
-        shift <= crc;
-        left <= to_unsigned(4, 3);
-        place <= checksum;
+        if crc_busy = '0' then
+          shift <= crc;
+          left <= to_unsigned(4, 3);
+          place <= checksum;
+        end if;
       else
         if accepted = '1' and left = 1 then
           place <= waiting;

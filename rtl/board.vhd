@@ -38,8 +38,11 @@ entity board is
     with_edge_map : natural := 0;
     -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
     single_port_memory : natural := 0;
-    -- STATUS counts in fewer bits, on small devices.
-    most_counter_bits : positive := 32
+    -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words; a byte
+    -- of a CRC takes that many cycles, at most as many as a character of the line.
+    most_counter_bits : positive := 32;
+    single_buffer : natural := 0;
+    crc_cycles : positive := 1
   );
   port (
     clk : in std_ulogic;
@@ -142,7 +145,8 @@ begin
       clk_frequency_hz => clk_frequency_hz, default_phase_step => phase_step_of(baud, clk_frequency_hz),
       fifo_words => fifo_words, features => features,
       screen_width => screen_width, screen_height => screen_height, colour_bytes => colours,
-      depth_bytes => depth_bytes, most_counter_bits => most_counter_bits
+      depth_bytes => depth_bytes, most_counter_bits => most_counter_bits,
+      crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => reset,
@@ -183,7 +187,7 @@ begin
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
       subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
-      span_depth => span_depth
+      span_depth => span_depth, single_buffer => single_buffer
     )
     port map (
       clk => clk, reset => core_reset,
@@ -200,7 +204,7 @@ begin
     generic map (
       width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
       with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
-      single_port_memory => single_port_memory
+      single_port_memory => single_port_memory, crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => reset, read_reset => link_reset, idle => picture_idle,

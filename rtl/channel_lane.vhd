@@ -21,7 +21,9 @@ entity channel_lane is
     max_order : natural := 2;
     frac_bits : natural := 22;
     value_bits : positive := 8;
-    span_depth : positive := 3
+    span_depth : positive := 3;
+    -- See scanline_channel.
+    inputs_stay : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -78,7 +80,7 @@ begin
     );
 
   scanline_inst : entity work.scanline_channel
-    generic map (word_width => word_width, max_order => max_order)
+    generic map (word_width => word_width, max_order => max_order, inputs_stay => inputs_stay)
     port map (
       clk => clk, enable => walk, copy => setup_copy,
       setup_value => planes(plane_value),

@@ -40,8 +40,9 @@ entity command_decoder is
     screen_height : natural := 240;
     colour_bytes : natural := 3;
     depth_bytes : natural := 2;
-    -- Counters have no more bits than this.
-    most_counter_bits : positive := 32
+    -- Counters have no more bits than this; cycles that crc32 takes for a byte.
+    most_counter_bits : positive := 32;
+    crc_cycles : positive := 1
   );
   port (
     clk : in std_ulogic;
@@ -176,7 +177,8 @@ begin
   receiver : entity work.frame_receiver
     generic map (
       screen_width => screen_width, screen_height => screen_height, colour_bytes => colour_bytes,
-      depth_bytes => depth_bytes, with_edge_map => (features / feature_edge_map) mod 2
+      depth_bytes => depth_bytes, with_edge_map => (features / feature_edge_map) mod 2,
+      crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => all_reset,
@@ -370,6 +372,7 @@ begin
   end process;
 
   sender : entity work.answer_sender
+    generic map (crc_cycles => crc_cycles)
     port map (
       clk => clk, reset => all_reset, answer_valid => answer_valid, answer_ready => answer_ready,
       answer_opcode => chosen_code, answer_number => chosen_number, answer_words => chosen_words,

@@ -17,7 +17,9 @@ entity edge_walker is
     column_bits : positive := 13;
     edge_bits : positive := 22;
     -- Stages from a loaded scanline to its span: the channels need them all, the columns only four.
-    walk_stages : positive := 7
+    walk_stages : positive := 7;
+    -- 1: what stands at the set-up inputs stays until the unit is not busy; it keeps no copy of it.
+    inputs_stay : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -159,26 +161,49 @@ begin
     end if;
   end process;
 
-  -- No decision reaches these registers: they take what is there until they hold what was taken.
-  edges : process (clk)
+  copies_gen : if inputs_stay = 0 generate
+    -- No decision reaches these registers: they take what is there until they hold what was taken.
+    copies : process (clk)
+    begin
+      if rising_edge(clk) then
+        if first_0 = '0' then
+          y_0 <= setup_y;
+          major_column_0 <= setup_major_column;
+          major_error_0 <= setup_major_error;
+          major_step_0 <= setup_major_step;
+          major_increment_0 <= setup_major_increment;
+          major_decrement_0 <= setup_major_decrement;
+        end if;
+        if second_pending = '0' then
+          rows_second <= setup_rows_second;
+          second_column <= setup_second_column;
+          second_error <= setup_second_error;
+          second_step <= setup_second_step;
+          second_increment <= setup_second_increment;
+          second_decrement <= setup_second_decrement;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  wires_gen : if inputs_stay = 1 generate
+    y_0 <= setup_y;
+    major_column_0 <= setup_major_column;
+    major_error_0 <= setup_major_error;
+    major_step_0 <= setup_major_step;
+    major_increment_0 <= setup_major_increment;
+    major_decrement_0 <= setup_major_decrement;
+    rows_second <= setup_rows_second;
+    second_column <= setup_second_column;
+    second_error <= setup_second_error;
+    second_step <= setup_second_step;
+    second_increment <= setup_second_increment;
+    second_decrement <= setup_second_decrement;
+  end generate;
+
+  minor_edge : process (clk)
   begin
     if rising_edge(clk) then
-      if first_0 = '0' then
-        y_0 <= setup_y;
-        major_column_0 <= setup_major_column;
-        major_error_0 <= setup_major_error;
-        major_step_0 <= setup_major_step;
-        major_increment_0 <= setup_major_increment;
-        major_decrement_0 <= setup_major_decrement;
-      end if;
-      if second_pending = '0' then
-        rows_second <= setup_rows_second;
-        second_column <= setup_second_column;
-        second_error <= setup_second_error;
-        second_step <= setup_second_step;
-        second_increment <= setup_second_increment;
-        second_decrement <= setup_second_decrement;
-      end if;
       if enable = '1' then
         minor_load_0 <= take or switch;
         if second_pending = '1' then

@@ -20,7 +20,9 @@ entity frame_receiver is
     screen_height : positive := 240;
     colour_bytes : positive := 3;
     depth_bytes : natural := 2;
-    with_edge_map : natural := 0
+    with_edge_map : natural := 0;
+    -- Of crc32: as many cycles at least lie between two bytes, and before a frame's end.
+    crc_cycles : positive := 1
   );
   port (
     clk : in std_ulogic;
@@ -112,8 +114,10 @@ begin
   crc_clear <= frame_end or reset;
 
   crc_unit : entity work.crc32
+    generic map (cycles => crc_cycles)
     port map (
-      clk => clk, clear => crc_clear, byte_valid => byte_valid, byte_data => byte_data, crc => crc
+      clk => clk, clear => crc_clear, byte_valid => byte_valid, byte_data => byte_data, busy => open,
+      crc => crc
     );
 
   word <= byte_data & shift;

@@ -27,7 +27,9 @@ entity raster_core is
     subpixel_bits : natural := default_formats.subpixel_bits;
     coord_bits : positive := default_formats.coord_bits;
     stream_width : positive := default_formats.stream_width;
-    span_depth : positive := default_formats.span_depth
+    span_depth : positive := default_formats.span_depth;
+    -- 1: a packet is taken when the one before has been walked: fewer registers, for slow set-up streams.
+    single_buffer : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -97,12 +99,18 @@ architecture rtl of raster_core is
   signal clamped_valid : std_ulogic := '0';
   signal emitted_valid : std_ulogic;
   signal loader_busy, walker_busy, chain_busy : std_ulogic;
+  signal loader_open, loader_offered, loader_ready : std_ulogic;
 
 begin
 
   assert formats_ok
     report "raster_core: generics out of range"
     severity failure;
+
+  -- Between the loader's packet and the walker there is no cycle in which neither is busy.
+  loader_open <= '1' when single_buffer = 0 else not walker_busy;
+  loader_offered <= setup_valid and loader_open;
+  setup_ready <= loader_ready and loader_open;
 
   loader_inst : entity work.setup_loader
     generic map (
@@ -112,7 +120,8 @@ begin
     )
     port map (
       clk => clk, reset => reset,
-      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data, busy => loader_busy,
+      setup_valid => loader_offered, setup_ready => loader_ready, setup_data => setup_data,
+      busy => loader_busy,
       packet_valid => packet_valid, packet_taken => packet_taken,
       words_pending => words_pending,
       edge_data => edge_data, second_data => second_data, words => words
@@ -121,7 +130,9 @@ begin
   packet_taken <= packet_valid and packet_ready;
 
   walker_inst : entity work.edge_walker
-    generic map (coord_bits => coord_bits, column_bits => columns, edge_bits => edges)
+    generic map (
+      coord_bits => coord_bits, column_bits => columns, edge_bits => edges, inputs_stay => single_buffer
+    )
     port map (
       clk => clk, reset => reset, enable => walk, busy => walker_busy,
       setup_valid => packet_valid, setup_ready => packet_ready,
@@ -208,7 +219,7 @@ begin
     lane_inst : entity work.channel_lane
       generic map (
         word_width => word_width, max_order => order_of(channel), frac_bits => frac_of(channel),
-        value_bits => bits, span_depth => span_depth
+        value_bits => bits, span_depth => span_depth, inputs_stay => single_buffer
       )
       port map (
         clk => clk, reset => reset,

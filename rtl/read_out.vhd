@@ -148,6 +148,7 @@ begin
     generic map (num_bytes => num_channels)
     port map (
       clk => clk, clear => accept, byte_valid => summed, byte_data => std_ulogic_vector(read_value),
+      busy => open,
       crc => crc
     );
 

@@ -17,7 +17,9 @@ entity scanline_channel is
   generic (
     word_width : positive := 32;
     -- 0 constant, 1 linear, 2 quadratic.
-    max_order : natural := 2
+    max_order : natural := 2;
+    -- 1: the words stay at the inputs while a scanline of theirs is on its way; no copy is kept.
+    inputs_stay : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -41,7 +43,9 @@ architecture rtl of scanline_channel is
   subtype word_t is u_unsigned(word_width - 1 downto 0);
   constant zero : word_t := (others => '0');
 
-  signal value_0, value_4, value_6 : word_t := zero;
+  -- The primitive's words.
+  signal value_0, row_0, col_0, dd_row_0, dd_mixed_0, dd_col_0 : word_t := zero;
+  signal value_4, value_6 : word_t := zero;
   signal first_3, first_4, first_5 : std_ulogic := '0';
 
 begin
@@ -54,9 +58,6 @@ begin
   start : process (clk)
   begin
     if rising_edge(clk) then
-      if copy = '1' then
-        value_0 <= setup_value;
-      end if;
       -- The primitive before has used its own by now, this one's stays: no enable.
       if first_3 = '1' then
         value_4 <= value_0;
@@ -68,6 +69,31 @@ begin
       end if;
     end if;
   end process;
+
+  copy_gen : if inputs_stay = 0 generate
+    copies : process (clk)
+    begin
+      if rising_edge(clk) then
+        if copy = '1' then
+          value_0 <= setup_value;
+          row_0 <= setup_d_row;
+          col_0 <= setup_d_col;
+          dd_row_0 <= setup_dd_row;
+          dd_mixed_0 <= setup_dd_mixed;
+          dd_col_0 <= setup_dd_col;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  wires_gen : if inputs_stay = 1 generate
+    value_0 <= setup_value;
+    row_0 <= setup_d_row;
+    col_0 <= setup_d_col;
+    dd_row_0 <= setup_dd_row;
+    dd_mixed_0 <= setup_dd_mixed;
+    dd_col_0 <= setup_dd_col;
+  end generate;
 
   constant_gen : if max_order = 0 generate
     value_stage : process (clk)
@@ -84,21 +110,10 @@ begin
 
   varying_gen : if max_order > 0 generate
     signal carry_3, carry_4 : std_ulogic := '0';
-    signal row_0, col_0 : word_t := zero;
     signal row_3, row_4, row_5, col_3, col_5, step_6 : word_t := zero;
     signal first_col_4, first_col_5, first_col_6 : word_t := zero;
     signal first_col : word_t;
   begin
-
-    copies : process (clk)
-    begin
-      if rising_edge(clk) then
-        if copy = '1' then
-          row_0 <= setup_d_row;
-          col_0 <= setup_d_col;
-        end if;
-      end if;
-    end process;
 
     linear_gen : if max_order = 1 generate
       row_and_col : process (clk)
@@ -115,19 +130,15 @@ begin
     end generate;
 
     quadratic_gen : if max_order = 2 generate
-      signal dd_row_0, dd_row_carry_0, dd_mixed_0, dd_mixed_carry_0 : word_t := zero;
-      signal dd_col_0, dd_col_3, dd_col_6 : word_t := zero;
+      signal dd_row_carry_0, dd_mixed_carry_0, dd_col_3, dd_col_6 : word_t := zero;
       signal row_step_3, col_step_3 : word_t := zero;
     begin
       row_and_col : process (clk)
       begin
         if rising_edge(clk) then
           if copy = '1' then
-            dd_row_0 <= setup_dd_row;
             dd_row_carry_0 <= setup_dd_row + setup_dd_mixed;
-            dd_mixed_0 <= setup_dd_mixed;
             dd_mixed_carry_0 <= setup_dd_mixed + setup_dd_col;
-            dd_col_0 <= setup_dd_col;
           end if;
           if enable = '1' then
             if carry = '1' then

@@ -25,7 +25,9 @@ entity screen is
     with_depth : natural := 1;
     depth_bits : positive := 16;
     with_edge_map : natural := 0;
-    single_port_memory : natural := 0
+    single_port_memory : natural := 0;
+    -- Of crc32.
+    crc_cycles : positive := 1
   );
   port (
     clk : in std_ulogic;
@@ -99,7 +101,7 @@ architecture rtl of screen is
   signal stored, area_data : u_unsigned(8 * data_bytes - 1 downto 0);
   signal area_valid, area_taken, chosen_valid, chosen_ready : std_ulogic;
   signal edges : u_unsigned(8 * edge_bytes - 1 downto 0);
-  signal byte_valid, byte_ready, byte_last, byte_summed : std_ulogic;
+  signal byte_valid, byte_ready, byte_last, byte_summed, crc_busy : std_ulogic;
   signal byte_data : std_ulogic_vector(7 downto 0);
   signal crc : std_ulogic_vector(31 downto 0);
 
@@ -210,9 +212,11 @@ begin
           place <= ends;
         end if;
       else
-        -- The CRC of the last byte stands now; what was read beyond the area is forgotten.
-        frame_crc_done <= summing;
-        place <= rest;
+        -- What was read beyond the area is forgotten.
+        if crc_busy = '0' then
+          frame_crc_done <= summing;
+          place <= rest;
+        end if;
       end if;
       if reset = '1' or read_reset = '1' then
         place <= rest;
@@ -305,13 +309,17 @@ begin
       byte_valid => byte_valid, byte_ready => byte_ready, byte_last => byte_last, byte_data => byte_data
     );
 
-  byte_ready <= summing or read_data_ready;
+  byte_ready <= not crc_busy when summing = '1' else read_data_ready;
   read_data_valid <= byte_valid and not summing;
   read_data <= byte_data;
-  byte_summed <= byte_valid and summing;
+  byte_summed <= byte_valid and summing and not crc_busy;
 
   crc_inst : entity work.crc32
-    port map (clk => clk, clear => starting, byte_valid => byte_summed, byte_data => byte_data, crc => crc);
+    generic map (cycles => crc_cycles)
+    port map (
+      clk => clk, clear => starting, byte_valid => byte_summed, byte_data => byte_data, busy => crc_busy,
+      crc => crc
+    );
 
   frame_crc_value <= crc;
 

@@ -45,11 +45,13 @@ def test_every_stateful_unit_is_proved() -> None:
     proved = {unit for proof in PROOFS.values() for unit in proof.units}
     # Inside the core, and there only: the lanes are compared with each other. A fill is proved
     # with what it fills; the memory is what the proofs take for granted.
-    inside = {"channel_lane", "lane_handshake", "memory_clear", "block_ram"}
+    inside = {"channel_lane", "lane_handshake", "memory_clear", "block_ram", "single_port_ram"}
     # Compared with their models in every cycle, and with an independent peer.
     tested = {"uart_rx", "uart_tx", "cobs_encoder"}
     # Compared with their models: behind the frame receiver, which lets only what is right pass.
     tested |= {"frame_fifo", "answer_sender", "command_executor", "command_decoder"}
+    # Compared with their models as a whole.
+    tested |= {"screen", "board"}
     assert units - proved == inside | tested
 
 
