@@ -161,7 +161,7 @@ screen: setup ## block RAM and area of what stands behind the pixel stream, cloc
 	@JOBS=$(JOBS) $(VENV) scripts/screen.py --seeds $(SEEDS)
 
 .PHONY: bitstream
-bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f or icebreaker
+bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f, icebreaker
 	@$(VENV) scripts/bitstream.py build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
 
 .PHONY: program

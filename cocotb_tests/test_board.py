@@ -17,7 +17,7 @@ from bench import PERIOD_NS, Bench
 from golden_stimuli import triangles_of
 from link_stimuli import body_of, good_area
 from pins import PinsTransport
-from quadshade.formats import Formats
+from quadshade.formats import FACTOR_BITS, STATE_REGISTERS, Formats
 from quadshade.golden.board import BoardModel
 from quadshade.golden.fast import draw_fast
 from quadshade.golden.frame_receiver import Reach
@@ -45,6 +45,7 @@ class Config:
     fifo_words: int = 512
     screen_width: int = 9
     screen_height: int = 6
+    with_shade: int = 0
     with_edge_map: int = 1
     single_port_memory: int = 0
     most_counter_bits: int = 32
@@ -91,6 +92,7 @@ CONFIGS = [
         single_buffer=1,
         crc_cycles=4,
     ),
+    Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0),
 ]
 
 
@@ -130,8 +132,13 @@ async def scenes(dut: Any) -> None:
             colour = bench.bits(32)
             words = scene_words(bench, count)
             session.clear(colour)
-            session.triangles(words)
             drawing.clear(colour)
+            if bench.config.with_shade:
+                registers = bench.rng.integers(0, 1 << FACTOR_BITS, 3).tolist()
+                session.state(STATE_REGISTERS, registers)
+                for offset, value in enumerate(registers):
+                    drawing.state(STATE_REGISTERS + offset, value)
+            session.triangles(words)
             drawing.triangles(words.tolist())
             pixels = draw_fast(unpack(words, bench.config.formats), bench.config.formats)
             drawn.update(pixels=len(pixels.x), primitives=len(np.unique(pixels.packet)))
@@ -179,7 +186,7 @@ async def reset_amid_everything(dut: Any) -> None:
         "y": 0,
         "width": width,
         "count": 3 * width,
-        "pixels": 3 * width // bench.config.num_channels,
+        "pixels": 3 * width // bench.config.formats.emitted_channels,
         "plane": 0,
     }
     for index in range(3):

@@ -38,8 +38,8 @@ entity board is
     with_edge_map : natural := 0;
     -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
     single_port_memory : natural := 0;
-    -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words; a byte
-    -- of a CRC takes that many cycles, at most as many as a character of the line.
+    -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words; a
+    -- byte of a CRC takes that many cycles, at most as many as a character of the line.
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
     crc_cycles : positive := 1
@@ -97,6 +97,10 @@ architecture rtl of board is
   signal drawn_x, drawn_y : u_unsigned(coord_bits - 1 downto 0);
   signal drawn_value : u_unsigned(8 * colours - 1 downto 0);
   signal drawn_depth : u_unsigned(depth_bits - 1 downto 0);
+
+  signal state_valid, state_ready : std_ulogic;
+  signal state_address : u_unsigned(31 downto 0);
+  signal state_data : std_ulogic_vector(31 downto 0);
 
   signal picture_idle, clear_valid, clear_ready, read_valid, read_ready : std_ulogic;
   signal clear_colour : std_ulogic_vector(31 downto 0);
@@ -157,7 +161,8 @@ begin
       pixel_done => pixel_done, primitive_done => primitive_done,
       frame_seen => frame_seen, fault_seen => fault_seen,
       setup_valid => packed_valid, setup_ready => packed_ready, setup_data => packed_data,
-      state_valid => open, state_ready => '1', state_address => open, state_data => open,
+      state_valid => state_valid, state_ready => state_ready, state_address => state_address,
+      state_data => state_data,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => read_count, read_pixels => open, read_plane => read_plane,
@@ -182,16 +187,19 @@ begin
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data, busy => unpacking
     );
 
-  core : entity work.raster_core
+  core : entity work.render_core
     generic map (
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
       subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
-      span_depth => span_depth, single_buffer => single_buffer
+      span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
+      shade_guard_bits => shade_guard_bits, single_buffer => single_buffer
     )
     port map (
       clk => clk, reset => core_reset,
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      state_valid => state_valid, state_ready => state_ready, state_address => state_address,
+      state_data => state_data,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_last => drawn_last,
       pixel_x => drawn_x, pixel_y => drawn_y, pixel_value => drawn_value, pixel_depth => drawn_depth,
       idle => core_done

@@ -210,7 +210,8 @@ begin
   events(counter_framing_errors) <= line_error;
 
   counter_gen : for index in 0 to num_counters - 1 generate
-    signal value : u_unsigned(minimum(counter_bits(index), most_counter_bits) - 1 downto 0) := (others => '0');
+    constant bits : positive := minimum(counter_bits(index), most_counter_bits);
+    signal value : u_unsigned(bits - 1 downto 0) := (others => '0');
   begin
     count : process (clk)
     begin

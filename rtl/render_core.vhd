@@ -27,7 +27,9 @@ entity render_core is
     span_depth : positive := default_formats.span_depth;
     with_shade : natural := default_formats.with_shade;
     num_specular : positive := default_formats.num_specular;
-    shade_guard_bits : positive := default_formats.shade_guard_bits
+    shade_guard_bits : positive := default_formats.shade_guard_bits;
+    -- See raster_core.
+    single_buffer : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -89,7 +91,7 @@ begin
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, frac_bits => lane_frac_bits(formats), value_bits => lane_width,
       depth_bits => depth_bits, subpixel_bits => subpixel_bits, coord_bits => coord_bits,
-      stream_width => stream_width, span_depth => span_depth
+      stream_width => stream_width, span_depth => span_depth, single_buffer => single_buffer
     )
     port map (
       clk => clk, reset => reset,

@@ -20,8 +20,8 @@ HEAD = """\
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 # Bitstreams
 
-Written by `make bitstream BOARD=...`, which builds through GHDL, Yosys and nextpnr, and fails where a clock is missed.
-On iCE40 a LUT and the flip-flop behind it are one logic cell.
+Written by `make bitstream BOARD=...`, which builds through GHDL, Yosys and nextpnr and fails where a clock is
+missed. On iCE40 a LUT and the flip-flop behind it are one logic cell.
 
 """
 

@@ -20,7 +20,10 @@ module top (
   // 25 MHz to 600 MHz in the oscillator (400 to 800 allowed), a sixth of it.
   (* FREQUENCY_PIN_CLKI = "25" *)
   (* FREQUENCY_PIN_CLKOP = "100" *)
-  (* ICP_CURRENT = "12" *) (* LPF_RESISTOR = "8" *) (* MFG_ENABLE_FILTEROPAMP = "1" *) (* MFG_GMCREF_SEL = "2" *)
+  (* ICP_CURRENT = "12" *)
+  (* LPF_RESISTOR = "8" *)
+  (* MFG_ENABLE_FILTEROPAMP = "1" *)
+  (* MFG_GMCREF_SEL = "2" *)
   EHXPLLL #(
     .PLLRST_ENA("DISABLED"),
     .INTFB_WAKE("DISABLED"),

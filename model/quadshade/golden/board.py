@@ -7,10 +7,11 @@ import numpy as np
 
 from quadshade.formats import Formats
 from quadshade.golden.command_decoder import CommandDecoder
-from quadshade.golden.fast import draw_fast
+from quadshade.golden.render_core import draw
 from quadshade.golden.screen import Screen
 from quadshade.golden.word_unpacker import WordUnpacker
 from quadshade.link.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
+from quadshade.setup.shade_state import ShadeState, colour_state
 
 
 class DrawnScreen(Screen):
@@ -36,6 +37,8 @@ class DrawnScreen(Screen):
         self.words: list[int] = []
         self.unpacker = WordUnpacker(formats)
         self.registers: dict[int, int] = {}
+        if formats.with_shade:
+            self.registers = dict(colour_state(formats).writes().tolist())
         depth_bits = formats.depth_bits if formats.with_depth else None
         super().__init__(width, height, formats.emitted_channels, depth_bits, with_edge_map)
 
@@ -44,7 +47,9 @@ class DrawnScreen(Screen):
         self.words += words
 
     def state(self, address: int, value: int) -> None:
-        """A word of the shading state."""
+        """A word of the shading state; what was sent before it is drawn with the state before it."""
+        if self.formats.with_shade:
+            self.draw_words()
         self.registers[address] = value
 
     def reset(self) -> None:
@@ -67,8 +72,9 @@ class DrawnScreen(Screen):
         words = self.unpacked()
         if not len(words):
             return
-        pixels = draw_fast(words, self.formats)
-        channels = self.formats.num_channels
+        state = ShadeState.from_registers(self.registers, self.formats) if self.formats.with_shade else None
+        pixels = draw(words, self.formats, state)
+        channels = self.formats.emitted_channels
         depth = pixels.value[:, channels] if self.formats.with_depth else None
         self.draw(pixels.x, pixels.y, pixels.value[:, :channels], depth)
 

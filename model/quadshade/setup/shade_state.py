@@ -11,7 +11,7 @@ What the shade unit keeps for a frame: ambient colour, coefficients of every cha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,26 @@ class ShadeState:
     linear: int
     gated: int
     guard_bits: int
+
+    @classmethod
+    def from_registers(cls, registers: Mapping[int, int], formats: Formats) -> ShadeState:
+        """The state that words at addresses are: the inverse of :meth:`writes`. What is not there is 0."""
+
+        def row(first: int, count: int) -> list[int]:
+            return [registers.get(first + index, 0) for index in range(count)]
+
+        colours = [row(STATE_REGISTERS + 4 * channel, 3) for channel in range(formats.num_channels)]
+        *ambient, masks = row(STATE_REGISTERS + 4 * AMBIENT_ROW, SHADED_COLOURS + 1)
+        tables = [row(table * TABLE_WORDS, table_entries(formats)) for table in range(formats.num_specular)]
+        used = (1 << formats.num_specular) - 1
+        return cls(
+            np.array(ambient, dtype=np.int64),
+            np.array(colours, dtype=np.int64),
+            np.array(tables, dtype=np.uint32),
+            masks & used,
+            masks >> 8 & used,
+            0,
+        )
 
     def writes(self) -> np.ndarray:
         """(m, 2) uint32: addresses and data that load this state."""

@@ -150,7 +150,7 @@ def read_board(name: str, root: Path) -> BoardFile:
 
 
 def with_memory_cells(verilog: str, root: Path) -> str:
-    """GHDL's netlist with ``synth/cells/single_port_ram.v`` in the place of that module, where there is one."""
+    """GHDL's netlist with ``synth/cells/single_port_ram.v`` in the place of that module, if there is one."""
     found = SINGLE_PORT.search(verilog)
     if not found:
         return verilog
