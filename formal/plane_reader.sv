@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plane_reader: whatever comes and waits, exactly as many bytes leave as were asked for, the last one
-// marked, each the right one of its pixel; a shown byte stays until it is taken; no pixel is taken that gives no byte.
+// marked, each the right one of its pixel; a shown byte stays until it is taken; no pixel is taken that gives
+// no byte.
 
 module plane_reader_properties #(
   parameter value_bytes = 3,
