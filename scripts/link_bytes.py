@@ -172,9 +172,9 @@ Others, for colour that is linear (Gouraud) with depth, without frames or CRC:
 PSNR in dB against Phong shading of the same triangles:
 
 {table("psnr")}
-At {PACK_ERROR:g} no picture below {HIGH_DB} dB loses more than {usually:.2f} dB, no other more than {most:.2f}:
-at most {changed} pixels of {WIDTH * HEIGHT} differ from the picture of the words as they were, by {largest} grey
-level{"s" * (largest != 1)} at most.
+At {PACK_ERROR:g} no picture below {HIGH_DB} dB loses more than {usually:.2f} dB, no other more than
+{most:.2f}. At most {changed} pixels of {WIDTH * HEIGHT} differ from the picture of the words as they were,
+by {largest} grey level{"s" * (largest != 1)} at most.
 
 ## The host
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pty
 import select
@@ -11,10 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from quadshade.formats import Formats
 from quadshade.link.board_model import BoardModel
 from quadshade.link.faults import FaultInjector
+from quadshade.link.frames import enclosed, sealed
 from quadshade.link.packing import pack_primitives
 from quadshade.link.picture import read_picture
 from quadshade.link.protocol import LinkError, Opcode, Reason
@@ -225,3 +229,34 @@ def test_ports_that_cannot_be_opened(tmp_path: Path, monkeypatch: pytest.MonkeyP
     with pytest.raises(LinkError, match="baud rate is 'fast'"):
         monkeypatch.setenv("QUADSHADE_BAUD", "fast")
         open_transport("loop://")
+
+
+ANSWERS = st.builds(
+    lambda opcode, sequence, payload: enclosed(
+        sealed(bytes([opcode, sequence]) + len(payload).to_bytes(2, "little") + payload)
+    ),
+    st.sampled_from([int(opcode) for opcode in Opcode] + [0, 0xFF]),
+    st.integers(0, 255),
+    st.one_of(st.binary(max_size=80), st.sampled_from([bytes(4), bytes(8), bytes(60)])),
+)
+
+
+@given(st.lists(st.one_of(ANSWERS, st.binary(max_size=40)), max_size=12), st.integers(0, 3))
+def test_any_answers_raise_no_other_error(answers: list[bytes], good: int) -> None:
+    """A board that answers right a few times, and then anything at all, in frames whose CRCs are right."""
+    board = BoardModel(8, 8)
+    heard = iter([None] * good + answers)
+
+    def feed(data: bytes) -> bytes:
+        said = board.feed(data)
+        answer = next(heard, b"")
+        return said if answer is None else answer
+
+    session = Session(MemoryTransport(feed), answer_seconds=0.0, retries=4)
+    with contextlib.suppress(LinkError):
+        session.connect()
+        session.clear(1)
+        session.triangles(np.arange(40, dtype=np.uint32))
+        session.flush()
+        session.status()
+        read_picture(session)
