@@ -115,21 +115,25 @@ def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats:
     -------
     (n, k) int64
     """
-    size = size_of("width_bits", formats)
-    change = 1 + size_of("width_address_bits", formats) + size
-    out, zeros = np.zeros_like(need), np.zeros(len(need), np.int64)
+    change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
+    out = np.zeros_like(need)
     for index in range(need.shape[1]):
+        asked = need[count[:, index] > 0, index]
+        if not len(asked):
+            continue
+        # No other value is ever the cheapest.
+        lowest, values = asked.min(), 1 + asked.max() - asked.min()
         column = np.zeros(len(need), np.int64)
         _hold_one(
-            need[:, index],
-            count[:, index],
-            zeros if below is None else below[:, index],
+            need[:, index] - lowest,
+            np.ascontiguousarray(count[:, index]),
+            column if below is None else below[:, index] - lowest,
             below is not None,
             float(change),
-            1 << size,
+            values,
             column,
         )
-        out[:, index] = column
+        out[:, index] = column + lowest
     return out
 
 
@@ -209,7 +213,8 @@ class Needs:
 
     def __init__(self, size: int, formats: Formats) -> None:
         addresses = 1 << size_of("width_address_bits", formats)
-        self.need, self.count, self.below = (np.zeros((size, addresses), np.int64) for _ in range(3))
+        # Address by address in memory.
+        self.need, self.count, self.below = (np.zeros((addresses, size), np.int64).T for _ in range(3))
         self.is_below = np.zeros(addresses, bool)
 
     def top(self, address: int, top: np.ndarray, sent: np.ndarray) -> None:
@@ -226,7 +231,7 @@ class Needs:
 
     def widths(self, formats: Formats) -> np.ndarray:
         """(n, addresses) int64: the widths of every packet. Bits below are held already."""
-        widths, tops = self.need.copy(), ~self.is_below
+        widths, tops = self.need.copy(order="C"), ~self.is_below
         widths[:, tops] = hold(self.need[:, tops], self.count[:, tops], self.below[:, tops], formats)
         return widths
 
