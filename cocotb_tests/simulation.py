@@ -60,7 +60,9 @@ def failures(results: Path) -> list[str]:
     return found if cases else ["no cocotb test was found"]
 
 
-def simulate(unit: str, config: Any, generics: dict[str, int] | None = None) -> None:
+def simulate(
+    unit: str, config: Any, generics: dict[str, int] | None = None, verilog: list[Path] | None = None
+) -> None:
     """
     Run the cocotb tests of ``test_<unit>.py`` on a unit.
 
@@ -72,6 +74,8 @@ def simulate(unit: str, config: Any, generics: dict[str, int] | None = None) -> 
       What the tests read back with ``bench.configuration``.
     generics : dict of int, optional
       Generics of the entity; the fields of ``config`` if not given.
+    verilog : list of Path, optional
+      Files that stand for the unit, simulated by Icarus whatever the environment says.
 
     Raises
     ------
@@ -79,17 +83,20 @@ def simulate(unit: str, config: Any, generics: dict[str, int] | None = None) -> 
       With what each failing cocotb test said.
     """
     name = identifier(config)
-    folder = ROOT / "build" / "cocotb" / (NETLIST or "vhdl") / unit / name
+    kind = "verilog" if verilog else NETLIST or "vhdl"
+    folder = ROOT / "build" / "cocotb" / kind / unit / name
     generics = generics or dataclasses.asdict(config)
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "simulation.log"
     log.unlink(missing_ok=True)
     results = folder / "results.xml"
-    runner = get_runner(SIMULATOR)
-    vhdl = SIMULATOR == "ghdl"
+    simulator = "icarus" if verilog else SIMULATOR
+    runner = get_runner(simulator)
+    vhdl = simulator == "ghdl"
     standard = ["--std=08"] if vhdl else []
     runner.build(
-        sources=source_files(unit, generics),
+        sources=verilog or source_files(unit, generics),
+        parameters=generics if verilog else {},
         hdl_toplevel=unit,
         build_args=standard,
         build_dir=folder,
@@ -104,7 +111,7 @@ def simulate(unit: str, config: Any, generics: dict[str, int] | None = None) -> 
             hdl_toplevel=unit,
             test_args=standard,
             plusargs=["--ieee-asserts=disable"] if vhdl else [],
-            parameters={} if NETLIST else generics,
+            parameters={} if NETLIST or verilog else generics,
             build_dir=folder,
             test_dir=folder,
             results_xml=str(results),

@@ -22,6 +22,7 @@ class Config:
 
     num_words: int = 512
     data_bits: int = 16
+    bank_words: int = 16384
 
 
 CONFIGS = [
@@ -29,6 +30,8 @@ CONFIGS = [
     Config(num_words=1),
     Config(num_words=300, data_bits=17),
     Config(num_words=5, data_bits=1),
+    Config(num_words=385, bank_words=128),
+    Config(num_words=512, bank_words=64, data_bits=3),
 ]
 
 

@@ -15,7 +15,10 @@ use work.screen_pkg.all;
 entity block_ram is
   generic (
     num_words : positive := 512;
-    data_bits : positive := 16
+    data_bits : positive := 16;
+    -- What a block RAM of ECP5 holds a bit wide: of banks of that size no multiplexer has more than a few
+    -- inputs, where blocks of fewer words and more bits would need one as deep as the memory.
+    bank_words : positive := 16384
   );
   port (
     clk : in std_ulogic;
@@ -32,30 +35,67 @@ end entity;
 
 architecture rtl of block_ram is
 
-  -- GHDL synthesises no memory of one word.
-  function at_least_two(count : positive) return positive is
+  constant num_banks : positive := (num_words + bank_words - 1) / bank_words;
+  constant bank_bits : positive := address_bits(bank_words);
+
+  -- Of the last bank what is left; GHDL synthesises no memory of one word.
+  function words_of(bank : natural) return positive is
+    variable count : positive := bank_words;
   begin
+    if bank = num_banks - 1 then
+      count := num_words - bank * bank_words;
+    end if;
     if count < 2 then
       return 2;
     end if;
     return count;
   end function;
 
-  type words_t is array (0 to at_least_two(num_words) - 1) of std_ulogic_vector(data_bits - 1 downto 0);
-  signal words : words_t;
-  signal fetched, read_reg : std_ulogic_vector(data_bits - 1 downto 0);
+  subtype bank_t is natural range 0 to num_banks - 1;
+  type fetched_t is array (bank_t) of std_ulogic_vector(data_bits - 1 downto 0);
+  signal fetched : fetched_t;
+  signal read_reg : std_ulogic_vector(data_bits - 1 downto 0);
+  -- The bank of what is fetched.
+  signal bank_read : bank_t := 0;
+
+  function bank_of(address : u_unsigned) return bank_t is
+  begin
+    if num_banks = 1 then
+      return 0;
+    end if;
+    return to_integer(shift_right(address, bank_bits));
+  end function;
 
 begin
 
-  ports : process (clk)
+  assert 2**bank_bits = bank_words
+    report "block_ram: bank_words is " & integer'image(bank_words) & ", must be a power of two"
+    severity failure;
+
+  bank_gen : for bank in bank_t generate
+    type words_t is array (0 to words_of(bank) - 1) of std_ulogic_vector(data_bits - 1 downto 0);
+    constant place_bits : positive := address_bits(words_of(bank));
+    signal words : words_t;
+  begin
+    ports : process (clk)
+    begin
+      if rising_edge(clk) then
+        if write_enable = '1' and bank_of(write_address) = bank then
+          words(to_integer(resize(write_address, place_bits))) <= write_data;
+        end if;
+        if read_enable = '1' and bank_of(read_address) = bank then
+          fetched(bank) <= words(to_integer(resize(read_address, place_bits)));
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  output : process (clk)
   begin
     if rising_edge(clk) then
-      if write_enable = '1' then
-        words(to_integer(write_address)) <= write_data;
-      end if;
       if read_enable = '1' then
-        fetched <= words(to_integer(read_address));
-        read_reg <= fetched;
+        bank_read <= bank_of(read_address);
+        read_reg <= fetched(bank_read);
       end if;
     end if;
   end process;

@@ -19,7 +19,9 @@ entity read_out is
     height : positive := 240;
     coord_bits : positive := 12;
     -- A channel is a byte.
-    num_channels : positive := 3
+    num_channels : positive := 3;
+    -- 0: area_count is not looked at; the area ends with the screen, or by reset.
+    with_count : natural := 1
   );
   port (
     clk : in std_ulogic;
@@ -84,7 +86,7 @@ begin
     and resize(area_y, coord_bits + 1) < to_unsigned(height, coord_bits + 1) else '0';
 
   line_end <= '1' when columns_left = 0 else '0';
-  last_1 <= '1' when count_left = 0 or (columns_left = 0 and rows_left = 0) else '0';
+  last_1 <= '1' when (count_left = 0 and with_count = 1) or (columns_left = 0 and rows_left = 0) else '0';
 
   walk : process (clk)
   begin

@@ -232,7 +232,9 @@ begin
   area_width <= columns when plane(1) = '0' else to_unsigned(width, coord_bits + 1);
 
   area_inst : entity work.read_out
-    generic map (width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes)
+    generic map (
+      width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0
+    )
     port map (
       clk => clk, reset => reader_reset,
       area_valid => starting, area_ready => open, area_x => area_x, area_y => area_y,

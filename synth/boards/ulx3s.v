@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ULX3S, v2 and v3: the board between its USB serial chip's pins, at 100 MHz from the 25 MHz crystal.
+// ULX3S, v2 and v3: the board between its USB serial chip's pins, its clock made from the 25 MHz crystal.
 // Reset after configuration, until the PLL has locked, and while button PWR is pressed.
 
 module top (
@@ -17,9 +17,8 @@ module top (
 
   wire clk, locked;
 
-  // 25 MHz to 600 MHz in the oscillator (400 to 800 allowed), a sixth of it.
+  // The oscillator runs at 600 MHz (400 to 800 are allowed), the clock at a fraction of that.
   (* FREQUENCY_PIN_CLKI = "25" *)
-  (* FREQUENCY_PIN_CLKOP = "100" *)
   (* ICP_CURRENT = "12" *)
   (* LPF_RESISTOR = "8" *)
   (* MFG_ENABLE_FILTEROPAMP = "1" *)
@@ -31,10 +30,10 @@ module top (
     .DPHASE_SOURCE("DISABLED"),
     .OUTDIVIDER_MUXA("DIVA"),
     .CLKI_DIV(1),
-    .CLKFB_DIV(4),
+    .CLKFB_DIV(24 / `CLK_DIVIDE),
     .FEEDBK_PATH("CLKOP"),
     .CLKOP_ENABLE("ENABLED"),
-    .CLKOP_DIV(6),
+    .CLKOP_DIV(`CLK_DIVIDE),
     .CLKOP_CPHASE(2),
     .CLKOP_FPHASE(0)
   ) pll (

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from quadshade.engine.netlist import write_netlist
@@ -65,6 +65,8 @@ class BoardFile:
       Commands that load a bitstream, the preferred first; its path follows.
     pack : tuple of str
       Options of the packer.
+    defines : dict of str to int
+      Verilog macros of the top: dividers of its PLL.
     """
 
     name: str
@@ -75,6 +77,7 @@ class BoardFile:
     generics: dict[str, int]
     program: tuple[tuple[str, ...], ...]
     pack: tuple[str, ...] = ()
+    defines: dict[str, int] = field(default_factory=dict)
 
     @property
     def family(self) -> str:
@@ -146,6 +149,7 @@ def read_board(name: str, root: Path) -> BoardFile:
         dict(settings["generics"]),
         tuple(tuple(command) for command in settings["program"]),
         tuple(settings.get("pack", ())),
+        dict(settings.get("defines", {})),
     )
 
 
@@ -224,7 +228,8 @@ def build(
     names = " ".join(["board.v", *(source.name for source in sources)])
     # The tops hold cells of the device, which only synthesis itself knows: it checks the hierarchy.
     commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
-    run_yosys([f"read_verilog {names}", *commands, "write_json mapped.json"], folder)
+    defines = "".join(f" -D {name}={value}" for name, value in board.defines.items())
+    run_yosys([f"read_verilog{defines} {names}", *commands, "write_json mapped.json"], folder)
     tries = []
     for seed in seeds:
         tries.append(_route(board, folder, seed, root))

@@ -195,7 +195,7 @@ LANES = "channel_lane*"
 """Modules that are mapped each by itself: in one piece, logic shared between them would be far from both."""
 
 
-UNORDERED = "block_ram*/m:words"
+UNORDERED = "block_ram*/m:*words"
 """Memories whose users never need what is read in the clock of its writing (``make formal``): without this,
 Yosys adds registers and comparators that make it the old word."""
 
