@@ -67,6 +67,10 @@ continuity: setup ## measure Mach bands and fractional stepping, write docs/repo
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
 	@$(VENV) scripts/simspeed.py
 
+.PHONY: boardspeed
+boardspeed: setup ## triangles a second, line load of the simulated board; docs/reports/boardspeed.md
+	@$(VENV) scripts/boardspeed.py
+
 .PHONY: faults
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) scripts/faults.py

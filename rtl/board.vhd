@@ -102,7 +102,7 @@ architecture rtl of board is
   signal state_address : u_unsigned(31 downto 0);
   signal state_data : std_ulogic_vector(31 downto 0);
 
-  signal picture_idle, clear_valid, clear_ready, read_valid, read_ready : std_ulogic;
+  signal screen_idle, clear_valid, clear_ready, read_valid, read_ready : std_ulogic;
   signal clear_colour : std_ulogic_vector(31 downto 0);
   signal read_x, read_y, read_width, read_count : u_unsigned(15 downto 0);
   signal read_plane, crc_plane : u_unsigned(1 downto 0);
@@ -173,7 +173,7 @@ begin
 
   core_reset <= reset or link_reset;
   drawing_done <= core_done and not unpacking;
-  everything_idle <= drawing_done and picture_idle;
+  everything_idle <= drawing_done and screen_idle;
 
   unpacker : entity work.word_unpacker
     generic map (
@@ -215,7 +215,7 @@ begin
       single_port_memory => single_port_memory, crc_cycles => crc_cycles
     )
     port map (
-      clk => clk, reset => reset, read_reset => link_reset, idle => picture_idle,
+      clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
       pixel_value => drawn_value, pixel_depth => drawn_depth,

@@ -70,7 +70,7 @@ def test_a_scene_arrives(words: np.ndarray) -> None:
     assert (picture != [0x10, 0x20, 0x30]).any(axis=2).mean() > 0.2
     assert np.array_equal(picture, undamaged(words))
     assert session.statistics["recoveries"] == session.statistics["timeouts"] == 0
-    assert session.status()["frames"] == board.counts["frames"] > 20
+    assert session.status()["frames"] == board.counts["frames"] > 10
     assert session.identity["screen_width"] == WIDTH
 
 
@@ -167,7 +167,9 @@ def test_trace_shows_every_frame() -> None:
     session.connect()
     session.clear()
     session.flush()
-    wanted = "> HELLO, < HELLO_ANSWER, > RESET, < RESET_ANSWER, > CLEAR, < ACK"
+    hello = "> HELLO, < HELLO_ANSWER"
+    # The second one tells that no answer is older than RESET.
+    wanted = f"{hello}, > RESET, < RESET_ANSWER, {hello}, > CLEAR, < ACK"
     assert ", ".join(" ".join(line.split()[:2]) for line in lines) == wanted
 
 
@@ -205,7 +207,7 @@ def test_over_a_pseudo_terminal(words: np.ndarray, monkeypatch: pytest.MonkeyPat
         session = Session(transport, answer_seconds=20)
         assert np.array_equal(draw(session, words), undamaged(words))
         session.set_baud(115200)
-        with pytest.raises(LinkError, match="another program has it open"):
+        with pytest.raises(LinkError, match="another program has .* open; close"):
             SerialTransport(far.name)
         transport.close()
         # The next one finds the board as it is.
@@ -222,7 +224,7 @@ def test_ports_that_cannot_be_opened(tmp_path: Path, monkeypatch: pytest.MonkeyP
         open_transport()
     with pytest.raises(LinkError, match="is the board plugged in"):
         open_transport(str(tmp_path / "missing"))
-    with pytest.raises(LinkError, match="cannot open"):
+    with pytest.raises(LinkError, match="is no serial port"):
         open_transport(str(tmp_path))
     with pytest.raises(LinkError, match="no URL that pyserial knows"):
         open_transport("nonsense://port")

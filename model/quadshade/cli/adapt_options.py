@@ -72,7 +72,8 @@ def adapt_options(command: Callable) -> Callable:
             "--verify/--no-verify",
             default=True,
             show_default=True,
-            help="With --max-error: compare every pixel with Phong shading and repair what exceeds it.",
+            help="With --max-error: compare every pixel with Phong shading and repair what exceeds it. With "
+            "--port: what the board shows must have the CRC that the golden model predicts.",
         ),
     )
 

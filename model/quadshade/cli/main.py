@@ -14,7 +14,7 @@ from quadshade.cli.interrupts import INTERRUPTED, MESSAGE, leave_at_once
 from quadshade.errors import QuadshadeError
 
 BAD_INPUT = 2
-COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump")
+COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "info", "board")
 """Each is the function of this name in the module of this name, imported when it is needed."""
 
 

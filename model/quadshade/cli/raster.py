@@ -20,6 +20,7 @@ from quadshade.cli.options import (
     write_atomically,
     write_json,
 )
+from quadshade.cli.port_options import PortChoice, on_board, port_options
 from quadshade.cli.setup_options import SAMPLED, setup_options, undefined_note
 from quadshade.engine import default_engine, draw
 from quadshade.errors import QuadshadeError
@@ -46,6 +47,7 @@ def write_pixels(path: Path, pixels: Pixels) -> None:
 @click.argument("triangles_path", metavar="TRIANGLES.json", type=PATH)
 @click.option("-o", "--output", required=True, type=PATH, help="Where the pixels go, e.g. pixels.npz.")
 @engine_option
+@port_options(help_text="Draw on a board; OUTPUT is then a PNG file or its planes as npz")
 @setup_options(SAMPLED)
 @stats_option
 @waves_option
@@ -58,9 +60,21 @@ def raster(
     waves: Path | None,
     generics: tuple[str, ...],
     setup_choice: dict,
+    port_choice: PortChoice,
 ) -> None:
-    """Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them."""
+    """
+    Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them.
+
+    \b
+    quadshade raster triangles.json -o pixels.npz
+    quadshade raster triangles.json -o picture.png --port sim
+    """
     check_writable(output, stats, waves, inputs=[triangles_path])
+    if on_board(port_choice, engine):
+        from quadshade.cli.draw_on_board import raster_on_board
+
+        raster_on_board(triangles_path, port_choice, engine, generics, output, stats, waves, setup_choice)
+        return
     triangles, formats = open_triangles(triangles_path, parse_generics(generics))
     engine = engine or default_engine()
     try:

@@ -21,6 +21,8 @@ from quadshade.cli.options import (
     write_atomically,
     write_json,
 )
+from quadshade.cli.pack import pack_error_option
+from quadshade.cli.port_options import PortChoice, on_board, port_options
 from quadshade.cli.scene_options import (
     COLOUR_CHANNELS,
     PHONG,
@@ -45,6 +47,8 @@ if TYPE_CHECKING:
 @engine_option
 @scene_options
 @style_options
+@port_options(own_verify=False, help_text="Draw on a board and fetch the picture")
+@pack_error_option
 @stats_option
 @waves_option
 def render(
@@ -52,6 +56,8 @@ def render(
     engine: str | None,
     choice: SceneChoice,
     style_choice: StyleChoice,
+    port_choice: PortChoice,
+    pack_error: float,
     stats: Path | None,
     waves: Path | None,
 ) -> None:
@@ -70,6 +76,7 @@ def render(
     quadshade render sphere:690 -o sphere.png --max-error 4
     quadshade render sphere:690 -o sphere.png --budget 30000bytes --error-measure rms
     quadshade render part.stl -o part.png --style gooch --edges profile,inner
+    quadshade render sphere:690 -o sphere.png --port sim
     """
     with leave_at_once():
         from quadshade.engine import default_engine
@@ -79,9 +86,15 @@ def render(
             import trimesh  # noqa: F401 - what reads it takes it from there
 
     choice = styled_choice(style_choice, choice)
-    formats = choice.checked()
     if output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
+    if on_board(port_choice, engine):
+        from quadshade.cli.draw_on_board import render_on_board
+
+        check_writable(output, stats, inputs=[choice.path])
+        render_on_board(choice, port_choice, engine, output, stats, waves, pack_error, style_choice)
+        return
+    formats = choice.checked()
     # Phong shading is the host's own work: of the engine it needs coverage and depth only.
     engine = engine or ("model" if choice.shading == PHONG else default_engine())
     check_writable(output, stats, waves, style_choice.gbuffer, inputs=[choice.path])

@@ -4,7 +4,8 @@ GHDL's Verilog in a form that Verilator makes faster programs of; the registers 
 
 GHDL writes a register with an enable as a wire that chooses between the new value and the old one, every
 signal with an initial value as a register of its own that follows another, and bits that depend on each other
-in a row as one vector, which Verilator takes for a loop. Together they cost almost half of the speed. Text in
+in a row as one vector, which Verilator takes for a loop; it chooses between several values by delayed
+assignments. Together they cost almost half of the speed. Text in
 which none of this is found stays as it is.
 """
 
@@ -16,6 +17,7 @@ from collections import Counter
 _FOLLOWER = re.compile(r"always @\*\n    (\w+) = (\w+); // \(isignal\)\n  initial\n    \1 <= [^;]*;\n")
 _REGISTER = re.compile(r"always @\(posedge (\w+)\)\n    (\w+) <= (\w+);\n")
 _CHOICE = re.compile(r"(\w+) \? ([\w']+) : (\w+)")
+_CHOOSER = re.compile(r"always @\*\n    case \(.*?\n    endcase\n", re.DOTALL)
 _ROW = re.compile(r"assign (\w+) = \{([\w, \n]+)\};")
 
 
@@ -49,6 +51,11 @@ def _fold_enables(module: str) -> str:
     return _REGISTER.sub(fold, module)
 
 
+def _fold_choosers(module: str) -> str:
+    """A choice between several values, which GHDL assigns as if it were a register, takes them at once."""
+    return _CHOOSER.sub(lambda match: match[0].replace(" <= ", " = "), module)
+
+
 def _fold_rows(module: str) -> str:
     """Bits that are put together only to be taken apart stay single."""
     single = set(re.findall(r"^ +\(?(?:wire|reg|input +|output) (\w+)[;,)]", module, flags=re.MULTILINE))
@@ -78,4 +85,4 @@ def fold(verilog: str) -> str:
     str
     """
     modules = re.split(r"^(?=module )", verilog, flags=re.MULTILINE)
-    return "".join(_fold_rows(_fold_enables(_fold_followers(module))) for module in modules)
+    return "".join(_fold_rows(_fold_choosers(_fold_enables(_fold_followers(module)))) for module in modules)

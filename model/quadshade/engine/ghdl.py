@@ -65,10 +65,10 @@ def run_tool(command: list[str], cwd: Path) -> str:
     return done.stdout
 
 
-def analyse(root: Path) -> Path:
-    """Analyse RTL and test bench once for each state of the sources; returns the work library's folder."""
+def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
+    """Analyse RTL and a test bench once for each state of the sources; returns the work library's folder."""
     ghdl = os.environ.get("GHDL", "ghdl")
-    sources = [*rtl_files(root), root / "sim" / f"{TESTBENCH}.vhd"]
+    sources = [*rtl_files(root), root / "sim" / f"{testbench}.vhd"]
     digest = hashlib.sha256(f"{ghdl} {os.environ.get('GHDL_BACKEND', '')}".encode())
     for source in sources:
         digest.update(source.read_bytes())

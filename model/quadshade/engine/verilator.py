@@ -9,6 +9,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -27,8 +28,12 @@ MACROS = ("stream_width", "emitted_channels", "value_bits")
 
 VERILATOR_OPTIONS = (
     *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
+    # GHDL writes plain Verilog, in which SystemVerilog's words are names.
+    *("--default-language", "1364-2005"),
     # GHDL writes initial values with `<=`; nothing else drives at time 0.
     "-Wno-INITIALDLY",
+    # A case of GHDL's names the values that can occur.
+    "-Wno-CASEINCOMPLETE",
     # Bits of one vector that depend on each other in a row, where fold leaves them: no loop, only slower.
     "-Wno-UNOPTFLAT",
 )
@@ -70,18 +75,43 @@ def _version(tool: str) -> str:
 
 def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
     """
-    Compile the simulation of the core with some generics, once for each netlist, harness and tool.
+    Compile the simulation of the core with some generics: see :func:`compile_netlist`.
+
+    Returns
+    -------
+    Path
+      The program ``<hash>/render_core``; its arguments stand in the harness.
+    """
+    macros = {name: getattr(formats, name) for name in MACROS}
+    return compile_netlist(RENDER_TOP, formats.generics(), "the core", macros, kept)
+
+
+def compile_netlist(
+    top: str,
+    generics: Mapping[str, int],
+    what: str,
+    macros: Mapping[str, int] | None = None,
+    kept: Path | None = None,
+) -> Path:
+    """
+    Compile the simulation of an entity with some generics, once for each netlist, harness and tool.
 
     Parameters
     ----------
-    formats : Formats
+    top : str
+      The entity; ``sim/verilator/<top>_main.cpp`` is its harness.
+    generics : mapping of str to int
+    what : str
+      What a terminal is told is compiled.
+    macros : mapping of str to int, optional
+      What the harness takes as macros, in capitals.
     kept : Path, optional
       Folder of the programs; ``build/verilator`` of the checkout if left out.
 
     Returns
     -------
     Path
-      The program ``<hash>/render_core`` in that folder; its arguments stand in the harness.
+      The program ``<hash>/<top>`` in that folder.
 
     Raises
     ------
@@ -91,24 +121,16 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
     if tools := missing_tools():
         raise QuadshadeError(f"{tools[0]} is not installed", "run `make setup`, or use --engine model")
     root = repository_root()
-    harness = root / "sim" / "verilator" / f"{RENDER_TOP}_main.cpp"
-    netlist = fold(write_netlist(formats.generics(), RENDER_TOP, root=root).read_text())
-    macros = " ".join(f"-D{name.upper()}={getattr(formats, name)}" for name in MACROS)
-    command = [
-        _verilator(),
-        *VERILATOR_OPTIONS,
-        "--top-module",
-        RENDER_TOP,
-        "-o",
-        RENDER_TOP,
-        "-CFLAGS",
-        macros,
-    ]
+    harness = root / "sim" / "verilator" / f"{top}_main.cpp"
+    netlist = fold(write_netlist(generics, top, root=root).read_text())
+    command = [_verilator(), *VERILATOR_OPTIONS, "--top-module", top, "-o", top]
+    if macros:
+        command += ["-CFLAGS", " ".join(f"-D{name.upper()}={value}" for name, value in macros.items())]
     command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
     digest = hashlib.sha256("\n".join([*command, _version(_verilator()), _version(_compiler())]).encode())
     for source in (netlist.encode(), harness.read_bytes()):
         digest.update(source)
-    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / RENDER_TOP
+    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / top
     if program.is_file():
         return program
     program.parent.mkdir(parents=True, exist_ok=True)
@@ -117,13 +139,13 @@ def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not program.is_file():
             if sys.stderr.isatty():
-                print("compiling the core for Verilator, once for these generics ...", file=sys.stderr)
+                print(f"compiling {what} for Verilator, once for these generics ...", file=sys.stderr)
             with tempfile.TemporaryDirectory(dir=program.parent) as scratch:
                 folder = Path(scratch)
-                verilog = folder / f"{RENDER_TOP}.v"
+                verilog = folder / f"{top}.v"
                 verilog.write_text(netlist)
                 run_tool([*command, "--Mdir", scratch, str(verilog), str(harness)], folder)
-                (folder / RENDER_TOP).replace(program)
+                (folder / top).replace(program)
     return program
 
 

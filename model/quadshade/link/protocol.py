@@ -45,6 +45,14 @@ class LinkError(QuadshadeError):
     """The link or the board at its other end is not what it has to be."""
 
 
+class LineGoneError(LinkError):
+    """The port vanished, or the other end of a socket hung up: it may come back."""
+
+
+class BoardResetError(LinkError):
+    """The board was reset meanwhile: it knows nothing of what was sent; the picture must be drawn anew."""
+
+
 class Opcode(IntEnum):
     """
     What a frame asks (bit 7 clear) or answers (bit 7 set).

@@ -1,47 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A host's session with a board: numbers, window, credits, repetition, and what HELLO must say."""
+"""A host's session with a board: numbers, window, credits and repetition."""
 
 from __future__ import annotations
 
-import secrets
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.link.frames import Frame, FrameParser
+from quadshade.link.exchange import ANSWER_SECONDS, RETRIES, Exchange
+from quadshade.link.frames import Frame
 from quadshade.link.protocol import (
-    ANSWER_BIT,
     HEADER_BYTES,
-    MAGIC,
     MAX_PAYLOAD,
+    PHASE_BITS,
     SEQUENCES,
-    VERSION,
     WORD_BYTES,
+    BoardResetError,
     LinkError,
     Opcode,
     Reason,
-    definition_hash,
     fifo_words,
     pack_payload,
     phase_step,
     unpack_payload,
 )
-from quadshade.link.transport import DEFAULT_BAUD, Transport
+from quadshade.link.transport import Transport
 
 MAX_WORDS = MAX_PAYLOAD // WORD_BYTES
 LEAST_WORDS = 4
 """A bad line gets short frames, down to this."""
 
-ANSWER_SECONDS = 0.5
-"""How long an answer may take before it counts as lost; drawing must not take longer."""
-
-RETRIES = 40
-"""How often the same thing is sent before the link counts as too bad."""
-
-NOISE_BYTES = 16384
-"""So many bytes without a frame count as silence."""
+FRAME_COUNTS = 1 << 32
+"""STATUS's counter of frames wraps here."""
 
 
 @dataclass
@@ -52,27 +44,14 @@ class Pending:
     words: int
 
 
-class Session:
+class Session(Exchange):
     """
-    Frames to a board and answers from it, over a line that may damage both.
+    A conversation with a board: what is sent arrives once and in order, or there is an error.
 
     Parameters
     ----------
-    transport : Transport
-    answer_seconds : float
-      Time-out of an answer.
-    retries : int
-      Bound of every repetition.
-    trace : callable, optional
-      Called with a line of text for every frame.
-
-    Attributes
-    ----------
-    identity : dict of int
-      What HELLO said, after :meth:`connect`.
-    statistics : Counter of str
-      ``sent`` and ``received`` frames, ``resent``, ``recoveries``, ``timeouts``, ``bytes_sent``,
-      ``bytes_received``.
+    transport, answer_seconds, retries, trace, reopen
+      As for :class:`quadshade.link.exchange.Exchange`.
     """
 
     def __init__(
@@ -81,14 +60,9 @@ class Session:
         answer_seconds: float = ANSWER_SECONDS,
         retries: int = RETRIES,
         trace: Callable[[str], None] | None = None,
+        reopen: Callable[[], Transport] | None = None,
     ) -> None:
-        self.transport, self.answer_seconds, self.retries = transport, answer_seconds, retries
-        self.trace = trace
-        self.identity: dict[str, int] = {}
-        self.statistics: Counter[str] = Counter()
-        self._parser = FrameParser()
-        self._frames: deque[Frame] = deque()
-        self._tag = 0
+        super().__init__(transport, answer_seconds, retries, trace, reopen)
         self._results: dict[int, bytes] = {}
         self._frame_words = MAX_WORDS
         self._clean = 0
@@ -99,33 +73,7 @@ class Session:
         self._pending: deque[Pending] = deque()
         # What the line lost and credits do not allow yet.
         self._backlog: deque[tuple[Opcode, bytes]] = deque()
-        self._next = self._free = self._attempts = 0
-
-    # Frames, one at a time.
-
-    def _transmit(self, frame: Frame) -> None:
-        data = frame.encode()
-        self.statistics.update(sent=1, bytes_sent=len(data))
-        if self.trace:
-            self.trace(f"> {frame.opcode.name} {frame.sequence} {len(frame.payload)} bytes")
-        self.transport.write(data)
-
-    def _receive(self) -> Frame | None:
-        """The next answer, or None if none came in time."""
-        noise = 0
-        while not self._frames:
-            data = self.transport.read(self.answer_seconds)
-            noise += len(data)
-            self.statistics["bytes_received"] += len(data)
-            self._frames += [frame for frame in self._parser.feed(data) if frame.opcode.is_answer]
-            if not self._frames and (not data or noise > NOISE_BYTES):
-                self.statistics["timeouts"] += 1
-                return None
-        frame = self._frames.popleft()
-        self.statistics["received"] += 1
-        if self.trace:
-            self.trace(f"< {frame.opcode.name} {frame.sequence} {len(frame.payload)} bytes")
-        return frame
+        self._next = self._free = self._attempts = self._accepted = 0
 
     def _attempt(self, what: str) -> None:
         """Count a repetition of something."""
@@ -133,43 +81,10 @@ class Session:
         if self._attempts > self.retries:
             raise self.too_bad(what)
 
-    def too_bad(self, what: str) -> LinkError:
-        """The error for something that failed too often."""
-        return LinkError(
-            f"the link is too bad: {what} failed {self.retries} times",
-            "try a lower baud rate, another cable, or reset the board",
-        )
-
-    def request(self, opcode: Opcode, **values: int) -> dict[str, int]:
-        """
-        HELLO, STATUS, RESET or BAUD, repeated until it is answered.
-
-        Returns
-        -------
-        dict of int
-          The answer's fields.
-
-        Raises
-        ------
-        LinkError
-          No answer after all repetitions, or the board refuses.
-        """
-        payload = pack_payload(opcode, values)
-        for _ in range(self.retries):
-            # A number of its own: where its answer comes, all that was sent before it has arrived or is lost.
-            self._tag = (self._tag + 1) % SEQUENCES
-            self._transmit(Frame(opcode, self._tag, payload))
-            while (answer := self._receive()) is not None:
-                fields, _ = unpack_payload(answer.opcode, answer.payload)
-                if answer.opcode == opcode | ANSWER_BIT and answer.sequence == self._tag:
-                    return fields
-                self._result(answer)
-                if self._pending:
-                    self._state(answer)
-        raise LinkError(
-            f"no answer to {opcode.name} on {getattr(self.transport, 'name', 'the line')}",
-            "is it a Quadshade board, with this baud rate?",
-        )
+    def _other(self, answer: Frame) -> None:
+        self._result(answer)
+        if self._pending:
+            self._state(answer)
 
     # The session.
 
@@ -192,29 +107,24 @@ class Session:
         LinkError
           No answer, no Quadshade board, another version, or other formats.
         """
-        identity = self.request(Opcode.HELLO)
-        if identity["magic"] != MAGIC:
-            raise LinkError("the other end is no Quadshade board", "is it the right port?")
-        if identity["version"] != VERSION:
-            raise LinkError(
-                f"the board speaks version {identity['version']} of the protocol, this host {VERSION}",
-                "use the bitstream and the host of the same release",
-            )
-        if identity["definition"] != definition_hash():
-            raise LinkError(
-                f"the board has other formats: {identity['definition']:08x}, here {definition_hash():08x}",
-                "build the bitstream from the same checkout",
-            )
-        self.identity = identity
+        self._restart()
+        identity = self.hello()
         if reset:
             self.reset()
         return identity
 
     def reset(self) -> None:
         """RESET: the board forgets frames, counters and a begun packet; the screen stays."""
-        fields = self.request(Opcode.RESET, session=secrets.randbits(32))
+        self._restart()
+        fields = self.new_session()
         self._restart()
         self._free = fields["free"]
+
+    @property
+    def default_baud(self) -> int:
+        """The board's rate after power-up and after a break."""
+        step, clock = self.identity["default_phase_step"], self.identity["clk_frequency_hz"]
+        return round(step * clock / (1 << PHASE_BITS))
 
     def set_baud(self, baud: int) -> None:
         """
@@ -223,22 +133,50 @@ class Session:
         Raises
         ------
         LinkError
-          The board's clock does not allow it, or it does not answer at the new rate.
+          The line has one rate only, the board's clock does not allow this one, or it does not answer at it.
         """
+        if getattr(self.transport, "fixed_rate", False):
+            raise LinkError(f"the baud rate of {self.name} cannot be changed", "leave the rate out")
+        step = phase_step(baud, self.identity["clk_frequency_hz"])
+        default = self.default_baud
         self.flush()
-        self.request(Opcode.BAUD, phase_step=phase_step(baud, self.identity["clk_frequency_hz"]))
+        self.request(Opcode.BAUD, phase_step=step)
         self.transport.set_baud(baud)
         try:
             self.request(Opcode.HELLO)
         except LinkError:
             self.transport.send_break()
-            self.transport.set_baud(DEFAULT_BAUD)
+            self.transport.set_baud(default)
             self.request(Opcode.HELLO)
             raise LinkError(f"the board does not answer at {baud} baud", "use a lower rate") from None
 
     def status(self) -> dict[str, int]:
         """The board's counters and link state."""
         return self.request(Opcode.STATUS)
+
+    def check(self) -> dict[str, int]:
+        """
+        STATUS, once everything is acknowledged: the board must have accepted as many frames as it was sent.
+
+        Raises
+        ------
+        BoardResetError
+          It was reset meanwhile.
+        """
+        self.flush()
+        fields = self.status()
+        self._check_count(fields)
+        return fields
+
+    def _check_count(self, fields: dict[str, int]) -> None:
+        """That the board's count of frames is this session's; after a reset it is another."""
+        ahead = (fields["frames"] - self._accepted) % FRAME_COUNTS
+        if ahead > len(self._pending) or fields["expected"] != fields["frames"] % SEQUENCES:
+            raise self._lost()
+
+    @staticmethod
+    def _lost() -> BoardResetError:
+        return BoardResetError("the board has lost the session: it was reset meanwhile", "start again")
 
     # Sequenced frames.
 
@@ -288,9 +226,10 @@ class Session:
         first = (self._next - len(self._pending)) % SEQUENCES
         done = (expected - first) % SEQUENCES
         if done > len(self._pending):
-            raise LinkError("the board has lost the session: it was reset meanwhile", "start again")
+            raise self._lost()
         for _ in range(done):
             self._pending.popleft()
+        self._accepted = (self._accepted + done) % FRAME_COUNTS
         self._free = free
         if done:
             self._attempts = 0
@@ -303,7 +242,8 @@ class Session:
         self._attempt("a frame")
         self.statistics["recoveries"] += 1
         self._clean = 0
-        fields = self.request(Opcode.STATUS)
+        fields = self.status()
+        self._check_count(fields)
         state = fields["expected"].to_bytes(1, "little") + b"\0" + fields["free"].to_bytes(2, "little")
         self._state(Frame(Opcode.ACK, 0, state))
         lost = list(self._pending)

@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
+import socket
+import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Protocol
 
 import serial
 
 from quadshade.link.faults import FaultInjector
-from quadshade.link.protocol import LinkError
+from quadshade.link.protocol import LineGoneError, LinkError
 
 DEFAULT_BAUD = 1_000_000
 READ_BYTES = 65536
@@ -36,23 +40,59 @@ class Transport(Protocol):
         """Give the line up."""
 
 
-HINTS = {
-    errno.ENOENT: "there is no such port; is the board plugged in?",
-    errno.EACCES: "no permission; join the group that owns it (`sudo adduser $USER dialout`), log in anew",
-    errno.EPERM: "no permission; join the group that owns it (`sudo adduser $USER dialout`), log in anew",
-    errno.EBUSY: "another program has it open; close that",
-    errno.EWOULDBLOCK: "another program has it open; close that",
+UDEV_RULES = Path(__file__).with_name("60-quadshade.rules")
+"""Lets whoever sits at the machine open the boards' ports."""
+
+NO_PERMISSION = (
+    "join the group that owns it (`sudo adduser $USER dialout`, then log in anew), or install the rule of"
+    f" udev (`sudo cp {UDEV_RULES} /etc/udev/rules.d/`) and plug the board in anew"
+)
+BUSY = "close the other program; `fuser` names it"
+REFUSED = "start one there: `quadshade board --tcp PORT`"
+
+PROBLEMS = {
+    errno.ENOENT: ("there is no port {port}", "is the board plugged in?"),
+    errno.ENODEV: ("there is no port {port}", "is the board plugged in?"),
+    errno.ENXIO: ("there is no port {port}", "is the board plugged in?"),
+    errno.EACCES: ("no permission to open {port}", NO_PERMISSION),
+    errno.EPERM: ("no permission to open {port}", NO_PERMISSION),
+    errno.EBUSY: ("another program has {port} open", BUSY),
+    errno.EWOULDBLOCK: ("another program has {port} open", BUSY),
+    errno.ECONNREFUSED: ("no board listens on {port}", REFUSED),
+    errno.ENOTTY: ("{port} is no serial port", "give the board's, e.g. /dev/ttyUSB0"),
+    errno.EINVAL: ("{port} is no serial port", "give the board's, e.g. /dev/ttyUSB0"),
+    errno.EISDIR: ("{port} is no serial port", "give the board's, e.g. /dev/ttyUSB0"),
 }
+"""What is wrong and what to do, by the number of the system's error."""
+
+WRITE_SECONDS = 60.0
+"""A line that takes nothing for so long is blocked: its other end neither reads nor hangs up."""
+
+BREAK_SECONDS = 0.01
+SLOW_SECONDS = 0.05
+"""A pseudo-terminal has no break: for so long it gets a rate at which a 00 is one."""
+
+
+def _error_number(problem: BaseException | None) -> int | None:
+    """The system's number of an error, also where pyserial has wrapped it in one of its own."""
+    while problem is not None:
+        if getattr(problem, "errno", None) is not None:
+            return problem.errno
+        if "exclusively lock" in str(problem):
+            return errno.EBUSY
+        problem = problem.__cause__ or problem.__context__
+    return None
 
 
 def _open_error(port: str, problem: Exception) -> LinkError:
     """What is wrong with a port, with a hint."""
-    number = getattr(problem, "errno", None)
-    if number is None and "exclusively lock" in str(problem):
-        number = errno.EBUSY
-    if number is None and isinstance(problem, ValueError):
+    number = _error_number(problem)
+    if number in PROBLEMS:
+        message, hint = PROBLEMS[number]
+        return LinkError(message.format(port=port), hint)
+    if isinstance(problem, ValueError):
         return LinkError(f"{port} is no port and no URL that pyserial knows", "give a name as /dev/ttyUSB0")
-    return LinkError(f"cannot open {port}: {problem}", HINTS.get(number, "is it the right port?"))
+    return LinkError(f"cannot open {port}: {problem}", "is it the right port?")
 
 
 class SerialTransport:
@@ -75,9 +115,14 @@ class SerialTransport:
         self.name = port if isinstance(port, str) else getattr(port, "name", None) or repr(port)
         self._serial = self._open(port, baud) if isinstance(port, str) else port
 
+    @property
+    def fixed_rate(self) -> bool:
+        """True for a socket: nothing tells the other end of a rate."""
+        return self.name.startswith("socket://")
+
     @staticmethod
     def _open(port: str, baud: int) -> Any:
-        options: dict[str, Any] = {"baudrate": baud, "timeout": 0}
+        options: dict[str, Any] = {"baudrate": baud, "timeout": 0, "write_timeout": WRITE_SECONDS}
         if "://" not in port:
             options["exclusive"] = True
         try:
@@ -89,15 +134,24 @@ class SerialTransport:
         except (AttributeError, ValueError, OSError, NotImplementedError):
             # A pseudo-terminal or a socket has no latency timer.
             pass
+        line = getattr(opened, "_socket", None)
+        if line is not None:
+            # Frames are small, and must not wait for an acknowledgement of the last one.
+            line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return opened
 
     def _do(self, action: Callable[[], Any]) -> Any:
         """An action, with the line's failure as one of the family."""
         try:
             return action()
+        except serial.SerialTimeoutException:
+            raise LinkError(
+                f"{self.name} has taken nothing for {WRITE_SECONDS:g} s",
+                "reset the board, or plug it in anew",
+            ) from None
         except (serial.SerialException, OSError, TypeError) as problem:
             # pyserial raises TypeError where a port was closed while it waited.
-            raise LinkError(
+            raise LineGoneError(
                 f"the line {self.name} is gone: {problem}", "plug it in and start again"
             ) from None
 
@@ -121,10 +175,21 @@ class SerialTransport:
         self._do(action)
 
     def send_break(self) -> None:
-        self._do(lambda: self._serial.send_break(0.01))
+        def action() -> None:
+            self._serial.send_break(BREAK_SECONDS)
+            if os.path.realpath(self.name).startswith("/dev/pts/"):
+                rate, self._serial.baudrate = self._serial.baudrate, self._serial.baudrate // 4
+                self._serial.write(b"\0")
+                time.sleep(SLOW_SECONDS)
+                self._serial.baudrate = rate
+
+        if not self.fixed_rate:
+            self._do(action)
 
     def close(self) -> None:
-        self._serial.close()
+        # One that is gone may not close any more.
+        with contextlib.suppress(serial.SerialException, OSError):
+            self._serial.close()
 
 
 class MemoryTransport:
@@ -170,6 +235,7 @@ class FaultyTransport:
     Parameters
     ----------
     transport : Transport
+      Kept under this name; may be replaced by a line opened anew.
     rate : float
       Faults a byte.
     seed : int or str
@@ -181,24 +247,50 @@ class FaultyTransport:
     """
 
     def __init__(self, transport: Transport, rate: float, seed: int | str = 1) -> None:
-        self._transport = transport
-        self.name = getattr(transport, "name", "line")
+        self.transport = transport
         self.going, self.coming = FaultInjector(rate, f"going {seed}"), FaultInjector(rate, f"coming {seed}")
 
+    @property
+    def name(self) -> str:
+        """The name of the line behind."""
+        return getattr(self.transport, "name", "the line")
+
+    @property
+    def fixed_rate(self) -> bool:
+        """As that of the line behind."""
+        return getattr(self.transport, "fixed_rate", False)
+
     def write(self, data: bytes) -> None:
-        self._transport.write(self.going.damage(data))
+        self.transport.write(self.going.damage(data))
 
     def read(self, seconds: float) -> bytes:
-        return self.coming.damage(self._transport.read(seconds))
+        return self.coming.damage(self.transport.read(seconds))
 
     def set_baud(self, baud: int) -> None:
-        self._transport.set_baud(baud)
+        self.transport.set_baud(baud)
 
     def send_break(self) -> None:
-        self._transport.send_break()
+        self.transport.send_break()
 
     def close(self) -> None:
-        self._transport.close()
+        self.transport.close()
+
+
+def baud_of(baud: int | None) -> int | None:
+    """
+    A rate, or that of ``QUADSHADE_BAUD``, or None.
+
+    Raises
+    ------
+    LinkError
+      The variable is no rate.
+    """
+    rate = str(baud or os.environ.get("QUADSHADE_BAUD") or "")
+    if not rate:
+        return None
+    if not rate.isdecimal() or not int(rate):
+        raise LinkError(f"the baud rate is {rate!r}", "give a whole number")
+    return int(rate)
 
 
 def open_transport(port: Any = None, baud: int | None = None) -> SerialTransport:
@@ -213,7 +305,4 @@ def open_transport(port: Any = None, baud: int | None = None) -> SerialTransport
     port = port or os.environ.get("QUADSHADE_PORT")
     if not port:
         raise LinkError("no port is given", "give one, or set QUADSHADE_PORT")
-    rate = str(baud or os.environ.get("QUADSHADE_BAUD") or DEFAULT_BAUD)
-    if not rate.isdecimal() or not int(rate):
-        raise LinkError(f"the baud rate is {rate!r}", "give a whole number")
-    return SerialTransport(port, int(rate))
+    return SerialTransport(port, baud_of(baud) or DEFAULT_BAUD)

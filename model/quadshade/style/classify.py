@@ -170,7 +170,8 @@ def visible_edges(
     The pixels where edges are seen.
 
     A point of an edge is seen where one of the nine pixels around it shows a face of the edge or, as the
-    faces of a silhouette or border may be thinner than a pixel, shows something farther away than such a point.
+    faces of a silhouette or border may be thinner than a pixel, shows something farther away than such an
+    edge's point.
 
     Parameters
     ----------

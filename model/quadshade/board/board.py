@@ -1,0 +1,377 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board from Python: whatever the line does, the picture is right, or there is an error."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from quadshade.board.fit import fit_channels, grey, host_formats, painters_order
+from quadshade.board.ports import RECONNECT_SECONDS, Port
+from quadshade.board.reading import BoardReader
+from quadshade.board.settings import BoardSettings
+from quadshade.board.simulated import SimulatedBoard
+from quadshade.engine.draw import draw as draw_model
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.golden.board import DrawnScreen
+from quadshade.image.framebuffer import visible
+from quadshade.link.frame_file import FrameFile
+from quadshade.link.packing import PACK_ERROR, pack_primitives
+from quadshade.link.protocol import FEATURES, BoardResetError, LinkError
+from quadshade.link.session import MAX_WORDS, Session
+from quadshade.link.transport import FaultyTransport, Transport
+from quadshade.setup.shade_state import ShadeState
+from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.triangles import Pixels, ScreenTriangles
+
+REDRAWS = 5
+"""How often a picture is begun anew because the board was reset."""
+
+Progress = Callable[[str, float, float, int], None]
+"""Called with what is done (``drawing``, ``reading``), how much, of how much, and bytes so far."""
+
+
+def _warn(text: str) -> None:
+    warnings.warn(text, stacklevel=3)
+
+
+class Board(BoardReader):
+    """
+    A board, real or simulated; a context manager.
+
+    Parameters
+    ----------
+    port : str or serial object, optional
+      ``sim``, ``auto``, a port's name, a pyserial URL, or an open object; ``QUADSHADE_PORT`` if left out.
+    baud : int, optional
+      ``QUADSHADE_BAUD`` or 1000000 if left out. Another rate is agreed on with the board.
+    settings : BoardSettings, optional
+      Of a simulated board.
+    engine : str, optional
+      What simulates it: ``verilator``, ``ghdl`` or ``model``; the first one where it can.
+    faults : tuple of (float, int or str), optional
+      Faults a byte that the line is given, both ways, and their seed.
+    answer_seconds, reconnect_seconds : float, optional
+      Time-outs of an answer, and of a line that vanished.
+    trace, notice : callable, optional
+      Called with a line of text for every frame; with what the board cannot do as asked (a warning if left
+      out).
+    progress : callable, optional
+      See :data:`Progress`.
+
+    Attributes
+    ----------
+    formats : Formats
+      The board's generics.
+    host_formats : Formats
+      Those to shade for: colour and depth, whether the board has them or not.
+    width, height : int
+      Its screen.
+    identity : dict of int
+      All that HELLO says.
+    session : Session
+
+    Raises
+    ------
+    QuadshadeError
+      No board answers there, or one of another version or other formats.
+    """
+
+    def __init__(
+        self,
+        port: Any = None,
+        baud: int | None = None,
+        *,
+        settings: BoardSettings | None = None,
+        engine: str | None = None,
+        faults: tuple[float, int | str] | None = None,
+        answer_seconds: float | None = None,
+        reconnect_seconds: float = RECONNECT_SECONDS,
+        trace: Callable[[str], None] | None = None,
+        notice: Callable[[str], None] | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self._port = Port(port, baud, settings or BoardSettings(), engine)
+        self._notice, self._progress = notice or _warn, progress
+        self._reconnect_seconds = reconnect_seconds
+        self._faulty: FaultyTransport | None = None
+        self._start, self._triangles = time.monotonic(), 0
+        try:
+            line: Transport = self._port.open()
+            if faults is not None:
+                line = self._faulty = FaultyTransport(line, *faults)
+            seconds = answer_seconds or self._port.answer_seconds
+            self.session = Session(line, seconds, trace=trace, reopen=self._reopen)
+            self._port.agree(self.session)
+            self.identity = self.session.identity
+            names = Formats().generics()
+            self.formats = Formats(**{name: self.identity[name] for name in names})
+            self.host_formats = host_formats(self.formats)
+            self.width, self.height = self.identity["screen_width"], self.identity["screen_height"]
+            has_edges = bool(self.identity["features"] >> FEATURES.index("edge_map") & 1)
+            self._expected = DrawnScreen(self.width, self.height, self.formats, has_edges)
+            # What a board that was reset has to be told again, and what it knew before the picture was begun.
+            self._journal: list[Callable[[], None]] = []
+            self._registers: dict[int, int] = {}
+            self._pixels: list[Pixels] = []
+            self.clear()
+        except BaseException:
+            self.close()
+            raise
+
+    def _reopen(self) -> Transport:
+        """The line anew, as damaged as before."""
+        self.session.transport.close()
+        line = self._port.reopen(self._reconnect_seconds)
+        if self._port.baud is not None:
+            # Whatever rate the board has, it is the default one then.
+            line.send_break()
+        if self._faulty is None:
+            return line
+        self._faulty.transport = line
+        return self._faulty
+
+    def close(self) -> None:
+        """Give the line up, and stop a simulated board."""
+        if hasattr(self, "session"):
+            self.session.transport.close()
+        self._port.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        problem: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # What happens when the board is reset.
+
+    def _do(self, action: Callable[[], None]) -> None:
+        """Do something that changes the picture; with all before it, where the board was reset meanwhile."""
+        self._journal.append(action)
+        try:
+            action()
+        except BoardResetError:
+            self._redraw()
+
+    def _ask(self, question: Callable[[], Any]) -> Any:
+        """The answer about a picture that is whole."""
+        for _ in range(REDRAWS):
+            try:
+                self.session.check()
+                return question()
+            except BoardResetError:
+                self._redraw()
+        raise LinkError(f"the board was reset {REDRAWS} times", "look at its supply and its reset")
+
+    def _redraw(self) -> None:
+        """Draw the picture anew, from its clear on."""
+        for _ in range(REDRAWS):
+            self.session.statistics["redraws"] += 1
+            try:
+                self.session.connect()
+                for action in self._journal:
+                    action()
+                return
+            except BoardResetError:
+                continue
+        raise LinkError(f"the board was reset {REDRAWS} times", "look at its supply and its reset")
+
+    # What a user wants.
+
+    def clear(self, colour: tuple[int, int, int] = (0, 0, 0)) -> None:
+        """
+        Begin a picture: fill the screen with a colour, 0 .. 255 each, and forget all depth.
+
+        Parameters
+        ----------
+        colour : 3 ints
+        """
+        levels = list(colour)
+        if self.formats.emitted_channels == 1:
+            levels = np.rint(grey(np.array(levels, float))).astype(int).tolist()
+        self._begin(sum(level << 8 * index for index, level in enumerate(levels)))
+
+    def _begin(self, word: int) -> None:
+        """CLEAR, and a journal that begins with it."""
+        self._journal = []
+        self._pixels = []
+        if self._registers:
+            known = dict(self._registers)
+            self._journal.append(lambda: self._send_state(known))
+        self._do(lambda: self.session.clear(word))
+        self._expected.clear(word)
+
+    def state(self, state: ShadeState) -> None:
+        """Load the shade unit's registers and tables."""
+        if not self.formats.with_shade:
+            raise QuadshadeError("the board has no shade unit", "use a --shading of colours")
+        self._write({int(address): int(word) for address, word in state.writes()})
+
+    def _write(self, written: dict[int, int]) -> None:
+        """Registers of the shade unit, those that change."""
+        changed = {at: word for at, word in written.items() if self._registers.get(at) != word}
+        if changed:
+            self._do(lambda: self._send_state(changed))
+        # What was drawn before keeps the state that it was drawn with.
+        self._expected.draw_words()
+        for address, word in changed.items():
+            self._expected.state(address, word)
+        self._registers |= written
+
+    def _send_state(self, registers: dict[int, int]) -> None:
+        """Write registers, those of addresses in a row together."""
+        addresses = np.array(sorted(registers))
+        for run in np.split(addresses, np.flatnonzero(np.diff(addresses) != 1) + 1):
+            self.session.state(int(run[0]), [registers[address] for address in run.tolist()])
+
+    def draw(
+        self,
+        triangles: ScreenTriangles,
+        pack_error: float = PACK_ERROR,
+        limit: float | None = MAX_ERROR,
+        **setup: Any,
+    ) -> None:
+        """
+        Draw triangles; returns when the board has accepted them.
+
+        Parameters
+        ----------
+        triangles : ScreenTriangles
+          Made with :attr:`host_formats`. What the board does not have is replaced: colour by luminance, depth
+          by painter's order; with a notice.
+        pack_error : float
+          As for :func:`quadshade.link.packing.pack_primitives`.
+        limit, **setup
+          As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
+
+        Raises
+        ------
+        QuadshadeError
+          The picture is larger than the screen, or the triangles have channels that the board cannot draw.
+        """
+        self._check_size(triangles.width, triangles.height)
+        fitted, notices = fit_channels(triangles, self.formats)
+        if self.formats.with_depth == 0 and fitted.depth is not None:
+            fitted = painters_order(fitted)
+            notices += self._painters_notice(fitted, limit, setup)
+            fitted = replace(fitted, depth=None)
+        for text in notices:
+            self._notice(text)
+        if fitted.shade is not None:
+            self.state(fitted.shade)
+        primitives = setup_triangles(fitted, self.formats, limit=limit, **setup)
+        words = pack_primitives(primitives, self.formats, pack_error, fitted.shade).words
+        self.send(words, len(triangles))
+
+    def send(self, words: np.ndarray, triangles: int = 0) -> None:
+        """
+        Draw packed words: whole packets, as :func:`quadshade.link.packing.pack_primitives` makes them.
+
+        Parameters
+        ----------
+        words : (m,) uint32
+        triangles : int
+          How many they draw, for the progress.
+        """
+        self._do(lambda: self._stream(words, triangles))
+        self._triangles += triangles
+        self._expected.triangles(words.tolist())
+
+    def _stream(self, words: np.ndarray, triangles: int) -> None:
+        for at in range(0, len(words), MAX_WORDS):
+            self.session.triangles(words[at : at + MAX_WORDS])
+            self._report("drawing", triangles * min(1.0, (at + MAX_WORDS) / len(words)), triangles)
+        self.session.flush()
+
+    def _report(self, what: str, done: float, total: float) -> None:
+        if self._progress:
+            statistics = self.session.statistics
+            self._progress(what, done, total, statistics["bytes_sent"] + statistics["bytes_received"])
+
+    def _painters_notice(self, triangles: ScreenTriangles, limit: float | None, setup: dict) -> list[str]:
+        """How many pixels of the picture so far are not those that a z-buffer would show."""
+        formats = replace(host_formats(self.formats), num_channels=self.formats.num_channels)
+        orders = replace(formats, max_order=max(self.formats.max_order, 1))
+        drawing = draw_model(triangles, orders, "model", limit=limit, **setup)
+        self._pixels.append(drawing.pixels)
+        names = ("triangle", "x", "y", "value", "depth")
+        columns = (np.concatenate([getattr(one, name) for one in self._pixels]) for name in names)
+        pixels = Pixels(*columns)
+        nearest = visible(pixels, self.width, self.height)
+        last = visible(replace(pixels, depth=None), self.width, self.height)
+        shown = nearest >= 0
+        differ = (pixels.value[nearest[shown]] != pixels.value[last[shown]]).any(axis=1)
+        count = int(np.count_nonzero(differ))
+        text = f"{count} of {int(shown.sum())} pixels differ from the z-buffer's picture"
+        return [f"drawn in painter's order, as the board has no depth: {text}"]
+
+    def replay(self, frame: FrameFile, verify: bool = True) -> None:
+        """
+        Draw a packed picture.
+
+        Parameters
+        ----------
+        frame : FrameFile
+          From :func:`quadshade.link.frame_file.read_frame_file`.
+        verify : bool
+          The board's CRCs must be those of the file.
+
+        Raises
+        ------
+        QuadshadeError
+          The board has other generics or another screen; or a CRC differs.
+        """
+        names = ", ".join(
+            f"{name}={value} (the board: {self.identity[name]})"
+            for name, value in frame.formats.generics().items()
+            if value != self.identity[name]
+        )
+        if names:
+            raise QuadshadeError(f"the file is for a board with {names}", "pack it again for this board")
+        if (frame.width, frame.height) != (self.width, self.height):
+            raise QuadshadeError(
+                f"the file is for a screen of {frame.width}x{frame.height}, the board's is"
+                f" {self.width}x{self.height}",
+                f"pack it with --size {self.width}x{self.height}",
+            )
+        self._begin(frame.clear_colour)
+        for address, words in frame.state:
+            self._write({address + index: int(word) for index, word in enumerate(words)})
+        self.send(frame.words, frame.triangles)
+        wanted = {"colour": frame.crc} | ({"depth": frame.depth_crc} if self.formats.with_depth else {})
+        for plane, crc in wanted.items():
+            if verify and self.verify(plane) != crc:
+                raise self._mismatch(plane)
+
+    @property
+    def simulated(self) -> SimulatedBoard | None:
+        """What simulates it, if the port is ``sim``."""
+        return self._port.simulated
+
+    def notice(self, text: str) -> None:
+        """Say what is not as asked, as the board itself does."""
+        self._notice(text)
+
+    def status(self) -> dict[str, int]:
+        """The board's counters."""
+        return self.session.status()
+
+    @property
+    def statistics(self) -> dict[str, float]:
+        """What the line did since the board was opened: bytes, frames, what was lost; and seconds."""
+        seconds = time.monotonic() - self._start
+        names = ("bytes_sent", "bytes_received", "sent", "received", "resent", "timeouts", "reconnects")
+        counts = {name: self.session.statistics[name] for name in (*names, "redraws")}
+        return counts | {"triangles": self._triangles, "seconds": seconds}

@@ -1,0 +1,173 @@
+-- SPDX-License-Identifier: Apache-2.0
+--
+-- The whole board between its UART pins, in lock-step with a program on standard input and output: whenever
+-- the line to rx is free this writes a line of hexadecimal bytes that came from tx meanwhile, and reads a
+-- line: two digits for a byte that goes to rx, an empty line for nothing yet (idle_bits pass), "r" and
+-- eight digits for another baud rate, "q" to stop.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use std.env.all;
+use std.textio.all;
+
+use work.quadshade_pkg.all;
+
+entity board_tb is
+  generic (
+    num_channels : natural := default_formats.num_channels;
+    max_order : natural := default_formats.max_order;
+    with_depth : natural := default_formats.with_depth;
+    word_width : natural := default_formats.word_width;
+    frac_bits : natural := default_formats.frac_bits;
+    value_bits : natural := default_formats.value_bits;
+    depth_bits : natural := default_formats.depth_bits;
+    subpixel_bits : natural := default_formats.subpixel_bits;
+    coord_bits : natural := default_formats.coord_bits;
+    stream_width : natural := default_formats.stream_width;
+    span_depth : natural := default_formats.span_depth;
+    with_shade : natural := default_formats.with_shade;
+    num_specular : natural := default_formats.num_specular;
+    shade_guard_bits : natural := default_formats.shade_guard_bits;
+    clk_frequency_hz : positive := 5_000_000;
+    baud : positive := 1_000_000;
+    fifo_words : positive := 1024;
+    screen_width : positive := 16;
+    screen_height : positive := 12;
+    with_edge_map : natural := 0;
+    single_port_memory : natural := 0
+  );
+end entity;
+
+architecture sim of board_tb is
+
+  constant idle_bits : positive := 10;
+
+  signal clk, tx : std_ulogic := '0';
+  signal reset, rx : std_ulogic := '1';
+  signal running : boolean := true;
+  -- Clocks and rate in units of which a bit has clk_frequency_hz.
+  signal rate : positive := baud;
+  -- A free queue of bytes from tx: one is taken for good when the other process has written it.
+  signal received : std_ulogic_vector(7 downto 0) := (others => '0');
+  signal num_received : natural := 0;
+
+begin
+
+  clock : process
+  begin
+    while running loop
+      clk <= '0';
+      wait for 5 ns;
+      clk <= '1';
+      wait for 5 ns;
+    end loop;
+    wait;
+  end process;
+
+  dut : entity work.board
+    generic map (
+      num_channels => num_channels, max_order => max_order, with_depth => with_depth,
+      word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
+      subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
+      span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
+      shade_guard_bits => shade_guard_bits, clk_frequency_hz => clk_frequency_hz, baud => baud,
+      fifo_words => fifo_words, screen_width => screen_width, screen_height => screen_height,
+      with_edge_map => with_edge_map, single_port_memory => single_port_memory
+    )
+    port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);
+
+  -- Samples in the middle of bits, from the start bit's edge on.
+  receive : process
+    variable phase : natural;
+    variable data : std_ulogic_vector(7 downto 0);
+    variable is_start : boolean;
+  begin
+    wait until rising_edge(clk) and tx = '0' and reset = '0';
+    phase := clk_frequency_hz / 2;
+    for position in 0 to 9 loop
+      loop
+        phase := phase + rate;
+        exit when phase >= clk_frequency_hz;
+        wait until rising_edge(clk);
+      end loop;
+      phase := phase - clk_frequency_hz;
+      if position = 0 then
+        is_start := tx = '0';
+      elsif position < 9 then
+        data(position - 1) := tx;
+      end if;
+      exit when not is_start;
+      if position < 9 then
+        wait until rising_edge(clk);
+      end if;
+    end loop;
+    if is_start and tx = '1' then
+      received <= data;
+      num_received <= num_received + 1;
+    end if;
+  end process;
+
+  -- Bytes from tx are gathered here, so that one process alone writes.
+  talk : process
+    variable said, heard : line;
+    variable kind : character;
+    variable number : std_ulogic_vector(31 downto 0);
+    variable data : std_ulogic_vector(7 downto 0);
+    variable num_told : natural := 0;
+    variable phase : natural := 0;
+    variable good, stop : boolean := false;
+
+    procedure pass_bit(level : std_ulogic) is
+    begin
+      rx <= level;
+      loop
+        wait until rising_edge(clk);
+        if num_received /= num_told then
+          hwrite(said, received);
+          num_told := num_received;
+        end if;
+        phase := phase + rate;
+        exit when phase >= clk_frequency_hz;
+      end loop;
+      phase := phase - clk_frequency_hz;
+    end procedure;
+  begin
+    wait until rising_edge(clk);
+    wait until rising_edge(clk);
+    reset <= '0';
+    said := new string'("");
+    while not stop loop
+      writeline(output, said);
+      flush(output);
+      if endfile(input) then
+        stop := true;
+      else
+        readline(input, heard);
+        if heard'length = 0 then
+          for index in 1 to idle_bits loop
+            pass_bit('1');
+          end loop;
+        elsif heard'length = 1 then
+          stop := true;
+        elsif heard'length = 2 then
+          hread(heard, data, good);
+          pass_bit('0');
+          for index in 0 to 7 loop
+            pass_bit(data(index));
+          end loop;
+          pass_bit('1');
+        else
+          read(heard, kind);
+          hread(heard, number, good);
+          rate <= to_integer(unsigned(number(30 downto 0)));
+          wait until rising_edge(clk);
+        end if;
+      end if;
+    end loop;
+    running <= false;
+    finish;
+  end process;
+
+end architecture;

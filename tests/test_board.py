@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boards from Python and from the command line: simulated ones behind pseudo-terminals and TCP ports."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from quadshade.board import Board, BoardSettings
+from quadshade.cli.main import main
+from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
+from quadshade.formats import Formats
+from quadshade.image import read_picture, resolve
+from quadshade.scene import fit_camera, load_scene, project
+from quadshade.shading.sample import sample
+
+ROOT = Path(__file__).resolve().parent.parent
+SMALL = BoardSettings(screen_width=48, screen_height=32)
+
+
+def seen(scene: str, formats: Formats, size: tuple[int, int] = (48, 32)):
+    mesh = load_scene(scene)
+    return sample(project(mesh, fit_camera(mesh), *size, formats), "quadratic", formats=formats)
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    return result.exit_code, result.output
+
+
+@contextmanager
+def board_program(*arguments: str) -> Iterator[tuple[subprocess.Popen, str]]:
+    """``quadshade board`` as a process, and the port that it says."""
+    command = [sys.executable, "-c", "from quadshade.cli.main import main; main()", "board"]
+    process = subprocess.Popen(
+        [*command, "--engine", "model", "--screen", "48x32", *arguments], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        yield process, re.search(r"--port (\S+)", process.stdout.readline())[1]
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("engine", ["model", "verilator", "ghdl"])
+def test_what_is_read_is_what_the_model_draws(engine: str) -> None:
+    size = (48, 32) if engine != "ghdl" else (8, 6)
+    settings = BoardSettings(screen_width=size[0], screen_height=size[1])
+    with Board("sim", settings=settings, engine=engine) as board:
+        triangles = seen("sphere:168" if engine != "ghdl" else "sphere:2x3", board.host_formats, size)
+        board.clear((9, 8, 7))
+        board.draw(triangles, pack_error=0)
+        image = board.read()
+        status = board.status()
+    expected = resolve(draw(triangles, Formats()).pixels, *size, (9, 8, 7))
+    assert np.array_equal(image, expected)
+    assert status["bad_crc"] == status["overruns"] == 0
+    # The golden model counts frames, not pixels.
+    assert engine == "model" or status["pixels"] > 0
+
+
+def test_edges_are_read_from_the_netlist(tmp_path: Path) -> None:
+    pictures = []
+    for where in (("--port", "sim", "--engine", "verilator", "--pack-error", "0"), ("--engine", "model")):
+        path = tmp_path / f"{len(pictures)}.png"
+        base = ("render", "cube:2", "-o", path, "--size", "48x32", "--camera", "from=1,0.8,1")
+        code, output = run(*base, "--edges", "profile,inner", *where)
+        assert code == 0, output
+        assert "notice" not in output
+        pictures.append(read_picture(path))
+    assert np.array_equal(*pictures)
+
+
+def test_a_board_without_edge_map_leaves_them_to_the_host() -> None:
+    told: list[str] = []
+    from quadshade.cli.style_on_board import style_on_board
+    from quadshade.cli.style_options import StyleChoice
+    from quadshade.style import draw_edges, draw_gbuffer, find_edges
+
+    mesh = load_scene("cube:2")
+    choice = StyleChoice(kinds=("profile", "inner"))
+    white = np.full((32, 48, 3), 255, np.uint8)
+    with Board("sim", settings=SMALL, engine="model", notice=told.append) as board:
+        projected = project(mesh, fit_camera(mesh, direction=np.array([1, 0.8, 1])), 48, 32, board.formats)
+        from quadshade.cli.scene_options import ShownScene
+
+        scene = ShownScene(projected, None, None, (255, 255, 255), len(mesh))
+        picture = style_on_board(choice, white, scene, board, True, 0.0)
+    gbuffer, _ = draw_gbuffer(projected)
+    assert np.array_equal(picture, draw_edges(white, find_edges(gbuffer)))
+    assert len(told) == 1 and "no edge map" in told[0]
+
+
+def test_grey_and_without_depth_say_so() -> None:
+    told: list[str] = []
+    formats = Formats(num_channels=1, with_depth=0)
+    settings = BoardSettings(formats, screen_width=48, screen_height=32)
+    with Board("sim", settings=settings, engine="model", notice=told.append) as board:
+        board.draw(seen("torus:72", board.host_formats))
+        image = board.read()
+    assert (image == image[..., :1]).all() and image.any()
+    assert any("painter's order" in text and "pixels differ" in text for text in told)
+    assert any("grey" in text for text in told)
+
+
+@pytest.mark.parametrize("rate", [1e-3, 1e-2])
+def test_a_damaged_line_costs_time_only(rate: float) -> None:
+    with Board("sim", settings=SMALL, engine="model", faults=(rate, 3), answer_seconds=0.05) as board:
+        board.draw(seen("sphere:168", board.host_formats))
+        board.read()
+        assert board.statistics["resent"] > 0
+
+
+def test_too_large_for_the_screen() -> None:
+    triangles = seen("sphere:168", Formats(), (64, 32))
+    message = "64x32 pixels, the board's screen 48x32"
+    with (
+        Board("sim", settings=SMALL, engine="model") as board,
+        pytest.raises(QuadshadeError, match=message),
+    ):
+        board.draw(triangles)
+
+
+def test_a_killed_host_leaves_the_board_to_the_next(tmp_path: Path) -> None:
+    link = tmp_path / "board"
+    with board_program("--pty", str(link)) as (process, port):
+        assert port == str(link)
+        half = "import os, sys; from quadshade.board import Board; b = Board(sys.argv[1]); "
+        half += (
+            "b.session.triangles([0x12345678] * 90); b.session.transport.write(b'\\x00\\x05ab'); os._exit(9)"
+        )
+        assert subprocess.run([sys.executable, "-c", half, port], check=False).returncode == 9
+        code, output = run("render", "sphere:168", "-o", tmp_path / "a.png", "--port", port)
+        assert code == 0, output
+        assert "as the golden model predicts" in output
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+        assert "the board has stopped" in process.stdout.read()
+    assert not link.exists()
+
+
+def test_a_killed_board_is_drawn_anew(tmp_path: Path) -> None:
+    link = tmp_path / "board"
+    with board_program("--pty", str(link)) as (first, port):
+        board = Board(port, answer_seconds=0.5, reconnect_seconds=30)
+        try:
+            board.draw(seen("torus:72", board.host_formats))
+            first.kill()
+            first.wait()
+            with board_program("--pty", str(link)):
+                board.draw(seen("sphere:168", board.host_formats))
+                board.read()  # verified: both drawings are there
+                assert board.statistics["redraws"] >= 1
+        finally:
+            board.close()
+
+
+def test_tcp(tmp_path: Path) -> None:
+    with board_program("--tcp", "0") as (_, port):
+        assert port.startswith("socket://")
+        code, output = run("info", "--port", port)
+        assert code == 0, output
+        assert "screen_width" in output and "depth_test" in output
+        code, output = run(
+            "raster", ROOT / "tests" / "missing.json", "-o", tmp_path / "a.png", "--port", port
+        )
+        assert code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("render", "sphere:168", "-o", "a.png", "--port", "/dev/ttyUSB99"), "there is no port"),
+        (("render", "sphere:168", "-o", "a.png", "--port", "sim", "--waves", "a.ghw"), "no waves"),
+        (("render", "sphere:168", "-o", "a.png", "--port", "sim", "--shading", "phong"), "phong"),
+        (("render", "cube:1", "-o", "a.png", "--port", "sim", "--gbuffer", "a.npz"), "which triangle"),
+        (("board", "--generic", "fifo_words=100"), "power of two"),
+        (("board", "--board", "moon"), "no board 'moon'"),
+        (("board", "--pty", "a", "--tcp", "1"), "give one of them"),
+        (("replay", "missing.qs", "--port", "sim"), "missing.qs"),
+    ],
+)
+def test_wrong_choices(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, output = run(*arguments)
+    assert code == 2 and message in output, output
+    assert "Traceback" not in output
+
+
+def test_pack_and_replay(tmp_path: Path) -> None:
+    frame, direct, replayed = tmp_path / "a.qs", tmp_path / "a.png", tmp_path / "b.png"
+    base = ("sphere:168", "--size", "48x32")
+    for arguments in (
+        ("pack", *base, "-o", frame),
+        ("render", *base, "-o", direct, "--port", "sim"),
+        ("replay", frame, "-o", replayed, "--port", "sim"),
+    ):
+        code, output = run(*arguments)
+        assert code == 0, output
+    assert np.array_equal(read_picture(direct), read_picture(replayed))
+
+
+def test_the_documented_example_runs() -> None:
+    text = (ROOT / "docs" / "board_api.md").read_text()
+    (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "'pixels'" in done.stdout
