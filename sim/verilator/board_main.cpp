@@ -5,10 +5,10 @@
 //
 //   board CLOCK_HZ BAUD
 //
-// Standard input is records: a number n from 1 to 255, then n bytes for the line; or 0, then a baud rate in
-// four bytes, lowest first, with which the line goes on behind the bytes before it. A rate of 0 asks for a line
-// on standard error: "clocks N sending N receiving N", clocks since reset, those with a byte on its way to rx,
-// and those with one from tx.
+// Standard input is records: a number n from 1 to 255, then n bytes for the line; or 0, then a baud rate
+// in four bytes, lowest first, with which the line goes on behind the bytes before it. A rate of 0 asks
+// for a line on standard error: "clocks N sending N receiving N", clocks since reset, those with a byte on
+// its way to rx, and those with one from tx.
 
 #include <poll.h>
 #include <unistd.h>
