@@ -75,6 +75,10 @@ boardspeed: setup ## triangles a second, line load of the simulated board; docs/
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) scripts/faults.py
 
+.PHONY: faults-rtl
+faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
+	@$(VENV) scripts/faults_rtl.py
+
 .PHONY: linkbytes
 linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
 	@$(VENV) scripts/link_bytes.py
