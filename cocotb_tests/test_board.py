@@ -26,6 +26,7 @@ from quadshade.link.packing import pack_primitives, unpack
 from quadshade.link.picture import read_picture
 from quadshade.link.protocol import LinkError, Opcode, pack_payload, plane_bytes
 from quadshade.link.session import Session
+from quadshade.setup.shade_state import colour_state
 from quadshade.setup.triangle_setup import setup_triangles
 from simulation import identifier, simulate
 
@@ -202,6 +203,10 @@ async def reset_amid_everything(dut: Any) -> None:
         session = Session(line)
         session.connect()
         session.clear(0)
+        if bench.config.with_shade:
+            # A reset keeps what an earlier session wrote.
+            for address, value in colour_state(bench.config.formats).writes().tolist():
+                session.state(address, [value])
         session.triangles(words)
         model.drawing.triangles(words.tolist())
         bench.check("CRC of the picture", session.frame_crc(), model.drawing.frame_crc(0))

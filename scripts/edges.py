@@ -116,12 +116,16 @@ def measure(mesh: Mesh, size: int) -> tuple[list[dict], np.ndarray]:
     return rows, np.hstack(pictures)
 
 
+def illustration(mesh: Mesh, style: str, size: int) -> np.ndarray:
+    """A mesh in a style, with both kinds of edges."""
+    projected = project(mesh, fit_camera(mesh, direction=np.array(VIEW)), size, size)
+    return illustrate(projected, style, parse_material("colour=0.9,0.45,0.2", None, None))
+
+
 def styles_picture() -> np.ndarray:
     """Gooch's tones, a cartoon and hatching of a torus, for the README."""
     mesh = load_scene("torus:1152")
-    projected = project(mesh, fit_camera(mesh, direction=np.array(VIEW)), 300, 300)
-    material = parse_material("colour=0.9,0.45,0.2", None, None)
-    return np.hstack([illustrate(projected, style, material) for style in ("gooch", "cartoon", "hatch")])
+    return np.hstack([illustration(mesh, style, 300) for style in ("gooch", "cartoon", "hatch")])
 
 
 def table(scenes: list[dict]) -> list[str]:
@@ -203,6 +207,11 @@ def main(size: int, files: tuple[Path, ...]) -> None:
             rows, picture = measure(load_scene(source, CREASE_DEGREES if "." in source else None), size)
             scenes.append({"mesh": name, "rows": rows})
             pictures.append(picture)
+        # A technical illustration and a cartoon of real meshes, or of what is there without them.
+        for style, name in (("gooch", "nut.ply"), ("cartoon", "ant.ply")):
+            mesh = next((load_scene(str(path), CREASE_DEGREES) for path in real if path.name == name), None)
+            picture = illustration(mesh or load_scene("torus:1152"), style, size)
+            write_png(REPORT.with_name(f"edges_{style}.png"), picture)
     command = f"python scripts/edges.py --size {size}" + "".join(f" --mesh {path.name}" for path in files)
     REPORT.with_suffix(".json").write_text(
         json.dumps({"command": command, "scenes": scenes}, indent=1) + "\n"

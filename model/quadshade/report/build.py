@@ -25,7 +25,10 @@ REPORTS = {
     "throughput": "make throughput",
     "hostspeed": "make hostspeed",
     "demo": "make readme",
+    "cho": "make cho",
+    "edges": "make edges",
     "faults": "make faults",
+    "boardspeed": "make boardspeed",
 }
 """Reports with a section of their own, by the stem of their JSON file, and the command that writes it."""
 

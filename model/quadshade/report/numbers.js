@@ -65,6 +65,9 @@ function tablesOf(file, path) {
     return [recordTable(file, path, value), ...nestedTables(file, path, value)];
   }
   if (isScalar(value)) return [el("p", { class: "note" }, `${words(String(path.at(-1)))}: `, datum(file, path))];
+  if (Array.isArray(value) && value.length && value.every(isScalar)) {
+    return [table(value.map(() => ""), [el("tr", {}, ...value.map((_, index) => el("td", {}, datum(file, [...path, index]))))])];
+  }
   const entries = Object.keys(value).map((key) => (Array.isArray(value) ? Number(key) : key));
   const plain = entries.filter((key) => isScalar(value[key]));
   const parts = [];

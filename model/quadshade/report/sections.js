@@ -8,7 +8,10 @@ const TITLES = {
   throughput: "Clocks per pixel",
   hostspeed: "Speed of the host",
   demo: "The spheres, through the VHDL",
+  cho: "Adaptive shading, in the terms of Cho, Neumann and Woo",
+  edges: "Edges of a G-buffer, and styles",
   faults: "Faults on the link",
+  boardspeed: "The simulated board",
 };
 
 function missing(what, command) {
@@ -38,9 +41,8 @@ function showPapers() {
   const counts = paperTable("The same, Table 2: triangles", "Final ones, and how many of the first were subdivided.",
     "cho.table_2", ["method", "256², final", "subdivided", "512², final", "subdivided"],
     [["method"], ["final_256", 1], ["subdivided_256", 1], ["final_512", 1], ["subdivided_512", 1]]);
-  const ours = FILES["data/adapt.json"]?.cho;
-  const beside = ours === undefined ? [missing("Cho’s tables, ours", CONTENT.reports.adapt)]
-    : [el("h3", {}, "Ours, in the same terms"), ...tablesOf("data/adapt.json", ["cho"])];
+  const beside = [!("data/cho.json" in FILES) ? missing("Cho’s tables, ours", CONTENT.reports.cho)
+    : el("p", { class: "note" }, "Ours, in the same terms: ", el("a", { href: "#cho" }, "further down"), ".")];
   const notes = [["hostspeed", "Barrera’s table, ours"], ["resources", "the core’s clock"]]
     .filter(([name]) => !(`data/${name}.json` in FILES))
     .map(([name, what]) => missing(what, CONTENT.reports[name] ?? "make limits"));
