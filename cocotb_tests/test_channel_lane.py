@@ -134,7 +134,7 @@ class Core:
         self.skid.clock(self.clamped, inputs.emitted_ready)
         if state.advance:
             self.clamped = self.drawing[0] if self.drawing else None
-            self.drawing = list(self.chain.output) if state.load(inputs) else self.drawing[1:]
+            self.drawing = list(self.chain.output or []) if state.load else self.drawing[1:]
         self.chain.clock(self.walked, state.span_taken)
         self.copy = False
         if state.walk:
@@ -162,7 +162,7 @@ async def every_pixel(dut: Any, speed: str) -> None:
         "emitted_valid",
         "emitted_ready",
     )
-    await bench.start("setup_words", "setup_copy", "walk_first", "walk_carry", *ports)
+    await bench.start("setup_words", "setup_copy", "walk_first_coming", "walk_carry", *ports)
     wants = SPEEDS[speed](bench.draw)
     width = bench.config.word_width
     core = Core(scanlines(bench), SpanChain(bench.config.span_depth))
@@ -175,7 +175,7 @@ async def every_pixel(dut: Any, speed: str) -> None:
         dut.setup_copy.value = int(core.copy)
         words = copied.words if core.copy else [bench.bits(width) for _ in PLANES]
         dut.setup_words.value = sum(word << (plane * width) for plane, word in enumerate(words))
-        dut.walk_first.value = int(bool(walked and walked.first))
+        dut.walk_first_coming.value = int(bool(copied and copied.first))
         dut.walk_carry.value = walked.carry if walked else int(bench.chance(0.5))
         await bench.edge()
         if core.clamped is not None:

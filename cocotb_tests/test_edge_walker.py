@@ -115,7 +115,7 @@ def check_outputs(bench: Bench, stages: Stages, enable: bool, index: int, inputs
         "setup_ready": enable and stages.can_take,
         "words_pending": stages.first(0),
         "words_copy": stages.copy,
-        "channel_first": stages.first(2),
+        "channel_first_coming": stages.first(1),
         "span_coming": bool(stages.lines[-2] and stages.lines[-2].pixels),
         "span_valid": bool(last and last.pixels),
     }

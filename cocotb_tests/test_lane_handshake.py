@@ -44,7 +44,7 @@ async def every_cycle(dut: Any) -> None:
             "walk": model.walk,
             "walked_valid": model.walked_valid,
             "span_taken": model.span_taken,
-            "load": model.load(inputs),
+            "load": model.load,
             "advance": model.advance,
         }
         for name, expected in outputs.items():

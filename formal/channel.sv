@@ -107,14 +107,14 @@ module channel_properties #(
   reg held = 0, drawn = 0;
   reg [place_bits - 1:0] at_held, at_drawn;
   reg [w - 1:0] held_value, held_d_col, held_dd_col;
-  always @* if (load && advance) assume (held);
   always @(posedge clk) begin
     if (capture && valid_6) begin
       held <= 1;
       {at_held, held_value, held_d_col, held_dd_col} <= {at_6, span_value, span_d_col, span_dd_col};
     end
     if (advance) begin
-      drawn <= drawn || load;
+      // What is loaded where no span is held is not shown.
+      drawn <= load ? held : drawn;
       at_drawn <= load ? at_held : right(at_drawn);
     end
   end
@@ -183,8 +183,8 @@ module channel_properties #(
   end
 
 `ifdef LINEAR
-  (* hierconn *) wire [w - 1:0] \dut.varying_gen_row_0 ;
-  (* hierconn *) wire [w - 1:0] \dut.varying_gen_col_0 ;
+  (* hierconn *) wire [w - 1:0] \dut.row_0 ;
+  (* hierconn *) wire [w - 1:0] \dut.col_0 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_row_3 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_row_4 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_row_5 ;
@@ -197,7 +197,7 @@ module channel_properties #(
   (* hierconn *) wire \dut.varying_gen_carry_4 ;
   (* hierconn *) wire [w - 1:0] \pixel.d_col ;
   always @* begin
-    if (copied) assert (\dut.varying_gen_row_0 == `ROW(at_0) && \dut.varying_gen_col_0 == `COL(at_0));
+    if (copied) assert (\dut.row_0 == `ROW(at_0) && \dut.col_0 == `COL(at_0));
     if (valid_3) begin
       assert (\dut.varying_gen_row_3 == `ROW(at_3) && \dut.varying_gen_col_3 == `COL(at_3));
       assert (\dut.varying_gen_carry_3 == carry_3);
@@ -220,22 +220,22 @@ module channel_properties #(
 `endif
 
 `ifdef QUADRATIC
-  (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_row_0 ;
+  (* hierconn *) wire [w - 1:0] \dut.dd_row_0 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_row_carry_0 ;
-  (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_mixed_0 ;
+  (* hierconn *) wire [w - 1:0] \dut.dd_mixed_0 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_mixed_carry_0 ;
-  (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_col_0 ;
+  (* hierconn *) wire [w - 1:0] \dut.dd_col_0 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_dd_col_3 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_row_step_3 ;
   (* hierconn *) wire [w - 1:0] \dut.varying_gen_quadratic_gen_col_step_3 ;
   (* hierconn *) wire [w - 1:0] \pixel.dd_col ;
   always @* begin
     if (copied) begin
-      assert (\dut.varying_gen_quadratic_gen_dd_row_0 == `DD_ROW(at_0));
+      assert (\dut.dd_row_0 == `DD_ROW(at_0));
       assert (\dut.varying_gen_quadratic_gen_dd_row_carry_0 == `DD_ROW(at_0) + `DD_MIXED(at_0));
-      assert (\dut.varying_gen_quadratic_gen_dd_mixed_0 == `DD_MIXED(at_0));
+      assert (\dut.dd_mixed_0 == `DD_MIXED(at_0));
       assert (\dut.varying_gen_quadratic_gen_dd_mixed_carry_0 == `DD_MIXED(at_0) + `DD_COL(at_0));
-      assert (\dut.varying_gen_quadratic_gen_dd_col_0 == `DD_COL(at_0));
+      assert (\dut.dd_col_0 == `DD_COL(at_0));
     end
     if (valid_3) assert (\dut.varying_gen_quadratic_gen_dd_col_3 == `DD_COL(at_3));
     if (valid_3 && !first_2) begin

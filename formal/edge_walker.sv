@@ -25,7 +25,7 @@ module edge_walker_properties #(
   input [edge_bits - 1:0] setup_major_increment, setup_minor_increment, setup_second_increment
 );
 
-  wire busy, setup_ready, words_pending, words_copy, channel_first, channel_carry;
+  wire busy, setup_ready, words_pending, words_copy, channel_first_coming, channel_carry;
   wire span_coming, span_valid, span_last, span_mirror;
   wire [column_bits - 1:0] span_column;
   wire signed [column_bits - 1:0] span_count;
@@ -44,7 +44,7 @@ module edge_walker_properties #(
     .setup_minor_increment(setup_minor_increment), .setup_second_increment(setup_second_increment),
     .setup_major_decrement(setup_major_decrement), .setup_minor_decrement(setup_minor_decrement),
     .setup_second_decrement(setup_second_decrement), .words_pending(words_pending), .words_copy(words_copy),
-    .channel_first(channel_first), .channel_carry(channel_carry), .span_coming(span_coming),
+    .channel_first_coming(channel_first_coming), .channel_carry(channel_carry), .span_coming(span_coming),
     .span_valid(span_valid), .span_last(span_last), .span_mirror(span_mirror), .span_column(span_column),
     .span_y(span_y), .span_count(span_count)
   );
@@ -125,7 +125,7 @@ module edge_walker_properties #(
       assert (span_count == count_of(scanline_6));
     end
     // What the channels are told.
-    assert (channel_first == first_2 && words_pending == first_0 && words_copy == arrives);
+    assert (channel_first_coming == first_1 && words_pending == first_0 && words_copy == arrives);
     if (valid[2]) assert (channel_carry == carry_2);
     assert (first_0 + first_1 + first_2 <= 1);
     if (take) assert (!first_0 && !first_1);

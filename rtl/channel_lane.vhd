@@ -33,8 +33,9 @@ entity channel_lane is
     setup_words : in u_unsigned(num_planes * word_width - 1 downto 0);
     setup_copy : in std_ulogic;
 
-    -- From the edge walker: the scanline in stage 2; whether a span is in the last stage but one.
-    walk_first : in std_ulogic;
+    -- From the edge walker: whether a primitive's first scanline is in stage 1; the carry of the scanline in
+    -- stage 2; whether a span is in the last stage but one.
+    walk_first_coming : in std_ulogic;
     walk_carry : in std_ulogic;
     walk_span_coming : in std_ulogic;
     -- From the span walker: the waiting span has one pixel; the pixel after the one shown is the span's last.
@@ -54,6 +55,8 @@ architecture rtl of channel_lane is
   type planes_t is array (0 to num_planes - 1) of u_unsigned(word_width - 1 downto 0);
   signal planes : planes_t;
 
+  -- A primitive's first scanline is in stage 2: the lane's own copy, because it chooses all that is loaded.
+  signal walk_first : std_ulogic := '0';
   signal walk, walked_valid, chain_full_next : std_ulogic;
   signal walked_value, walked_d_col, walked_dd_col : u_unsigned(word_width - 1 downto 0);
 
@@ -78,6 +81,18 @@ begin
       clamped_valid => clamped_valid, emitted_valid => emitted_valid, emitted_ready => emitted_ready,
       walk => walk, walked_valid => walked_valid, span_taken => span_taken, load => load, advance => advance
     );
+
+  first_stage : process (clk)
+  begin
+    if rising_edge(clk) then
+      if walk = '1' then
+        walk_first <= walk_first_coming;
+      end if;
+      if reset = '1' then
+        walk_first <= '0';
+      end if;
+    end if;
+  end process;
 
   scanline_inst : entity work.scanline_channel
     generic map (word_width => word_width, max_order => max_order, inputs_stay => inputs_stay)

@@ -46,6 +46,7 @@ architecture rtl of edge_dda is
   signal decrement : u_signed(edge_bits downto 0) := (others => '0');
   signal increment : u_unsigned(edge_bits - 1 downto 0) := (others => '0');
   signal start, step, column_reg : u_unsigned(column_bits - 1 downto 0) := (others => '0');
+  signal next_column : u_unsigned(column_bits - 1 downto 0);
 
 begin
 
@@ -74,17 +75,18 @@ begin
     end if;
   end process;
 
+  column_inst : entity work.load_adder
+    generic map (width => column_bits, with_carry => 1)
+    port map (
+      load => starting, start => start, value => column_reg, step => step, carry_in => carry_reg,
+      sum => next_column
+    );
+
   column_stage : process (clk)
-    variable carry_in : u_unsigned(0 downto 0);
   begin
     if rising_edge(clk) then
       if enable = '1' then
-        carry_in(0) := carry_reg;
-        if starting = '1' then
-          column_reg <= start;
-        else
-          column_reg <= column_reg + step + carry_in;
-        end if;
+        column_reg <= next_column;
         carry_reg <= not error(edge_bits);
       end if;
     end if;

@@ -52,8 +52,8 @@ entity edge_walker is
     -- It has just come to stage 1: copy them now, whether the stages move or not.
     words_copy : out std_ulogic;
 
-    -- To the channels, with a scanline in stage 2.
-    channel_first : out std_ulogic;
+    -- To the channels: a primitive's first scanline is in stage 1; the carry of the scanline in stage 2.
+    channel_first_coming : out std_ulogic;
     channel_carry : out std_ulogic;
 
     -- A span with at least one pixel, in the last stage but one.
@@ -99,7 +99,7 @@ architecture rtl of edge_walker is
   signal carry_1, minor_carry_1 : std_ulogic;
 
   -- Stage 2: its columns.
-  signal valid_2, first_2, carry_2, last_2, mirror_2 : std_ulogic := '0';
+  signal valid_2, carry_2, last_2, mirror_2 : std_ulogic := '0';
   signal y_2 : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
   signal column_2, minor_column_2 : u_unsigned(column_bits - 1 downto 0);
 
@@ -269,7 +269,6 @@ begin
     if rising_edge(clk) then
       if enable = '1' then
         valid_2 <= valid_1;
-        first_2 <= first_1;
         last_2 <= last_1;
         mirror_2 <= mirror_1;
         y_2 <= y_1;
@@ -277,7 +276,6 @@ begin
       end if;
       if reset = '1' then
         valid_2 <= '0';
-        first_2 <= '0';
       end if;
     end if;
   end process;
@@ -315,7 +313,7 @@ begin
   busy <= valid_0 or valid_1 or valid_2 or valid_3 or (or valids);
   words_copy <= copy;
   words_pending <= first_0;
-  channel_first <= first_2;
+  channel_first_coming <= first_1;
   channel_carry <= carry_2;
   span_coming <= valids(walk_stages - 2);
   span_valid <= valids(walk_stages - 1);

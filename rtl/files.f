@@ -19,6 +19,7 @@ rtl/command_decoder.vhd
 rtl/word_unpacker.vhd
 rtl/skid_buffer.vhd
 rtl/setup_loader.vhd
+rtl/load_adder.vhd
 rtl/edge_dda.vhd
 rtl/edge_walker.vhd
 rtl/scanline_channel.vhd

@@ -3,7 +3,7 @@
 -- The handshake state that moves a lane: when the stages up to the chain walk, when a span is taken, when
 -- pixels advance. Every lane has its own copy, so each enable is one LUT behind registers that stand near it.
 --
--- Model: lane_handshake.py.  Test: test_lane_handshake.py.  Latency: 1 cycle, but for load.
+-- Model: lane_handshake.py.  Test: test_lane_handshake.py.  Latency: 1 cycle.
 -- What decides the next cycle is worked out in this one. At first the enables combined it, which put three
 -- LUTs in front of a lane's clock enables.
 
@@ -31,8 +31,10 @@ entity lane_handshake is
     -- The edge walker's stages move; a span stands in the last one.
     walk : out std_ulogic;
     walked_valid : out std_ulogic;
-    -- The chain's end may move; if it holds a span, pixels load it, else they step; both only with advance.
+    -- The chain's end may move.
     span_taken : out std_ulogic;
+    -- With advance, pixels load what stands at the chain's end, else they step. Where no span stands there,
+    -- no pixel is valid: a register can say it, which the carry chains behind it need.
     load : out std_ulogic;
     advance : out std_ulogic
   );
@@ -90,7 +92,7 @@ begin
   walk <= walking;
   walked_valid <= walked;
   span_taken <= taking;
-  load <= loading;
+  load <= wanted;
   advance <= advancing;
 
 end architecture;

@@ -26,24 +26,38 @@ end entity;
 architecture rtl of pixel_channel is
 
   signal value, d_col, dd_col : u_unsigned(word_width - 1 downto 0) := (others => '0');
+  signal next_value, next_d_col : u_unsigned(word_width - 1 downto 0);
 
 begin
+
+  constant_gen : if max_order = 0 generate
+    next_value <= span_value when load = '1' else value;
+  end generate;
+
+  linear_gen : if max_order > 0 generate
+    value_inst : entity work.load_adder
+      generic map (width => word_width)
+      port map (load => load, start => span_value, value => value, step => d_col, sum => next_value);
+  end generate;
+
+  kept_gen : if max_order < 2 generate
+    next_d_col <= span_d_col when load = '1' else d_col;
+  end generate;
+
+  quadratic_gen : if max_order > 1 generate
+    d_col_inst : entity work.load_adder
+      generic map (width => word_width)
+      port map (load => load, start => span_d_col, value => d_col, step => dd_col, sum => next_d_col);
+  end generate;
 
   accumulate : process (clk)
   begin
     if rising_edge(clk) then
       if advance = '1' then
+        value <= next_value;
+        d_col <= next_d_col;
         if load = '1' then
-          value <= span_value;
-          d_col <= span_d_col;
           dd_col <= span_dd_col;
-        else
-          if max_order > 0 then
-            value <= value + d_col;
-          end if;
-          if max_order > 1 then
-            d_col <= d_col + dd_col;
-          end if;
         end if;
       end if;
     end if;

@@ -80,7 +80,7 @@ architecture rtl of raster_core is
   signal words : u_unsigned(carried * num_planes * word_width - 1 downto 0);
 
   signal walk : std_ulogic;
-  signal channel_first, channel_carry, span_coming : std_ulogic;
+  signal channel_first_coming, channel_carry, span_coming : std_ulogic;
 
   signal walked_valid, walked_last, walked_mirror : std_ulogic;
   signal walked_column : u_unsigned(columns - 1 downto 0);
@@ -164,7 +164,7 @@ begin
       setup_second_decrement =>
         signed(second_data(second.second_decrement_high downto second.second_decrement_low)),
       words_pending => words_pending, words_copy => words_copy,
-      channel_first => channel_first, channel_carry => channel_carry,
+      channel_first_coming => channel_first_coming, channel_carry => channel_carry,
       span_coming => span_coming, span_valid => open, span_last => walked_last, span_mirror => walked_mirror,
       span_column => walked_column, span_y => walked_y, span_count => walked_count
     );
@@ -226,7 +226,8 @@ begin
         setup_words =>
           words((channel + 1) * num_planes * word_width - 1 downto channel * num_planes * word_width),
         setup_copy => words_copy,
-        walk_first => channel_first, walk_carry => channel_carry, walk_span_coming => span_coming,
+        walk_first_coming => channel_first_coming, walk_carry => channel_carry,
+        walk_span_coming => span_coming,
         span_single => span_single, span_ending => span_ending,
         clamped_valid => clamped_valid, emitted_valid => emitted_valid, emitted_ready => pixel_ready,
         clamped_value => value

@@ -112,7 +112,7 @@ begin
     signal carry_3, carry_4 : std_ulogic := '0';
     signal row_3, row_4, row_5, col_3, col_5, step_6 : word_t := zero;
     signal first_col_4, first_col_5, first_col_6 : word_t := zero;
-    signal first_col : word_t;
+    signal first_col, next_value : word_t;
   begin
 
     linear_gen : if max_order = 1 generate
@@ -132,7 +132,16 @@ begin
     quadratic_gen : if max_order = 2 generate
       signal dd_row_carry_0, dd_mixed_carry_0, dd_col_3, dd_col_6 : word_t := zero;
       signal row_step_3, col_step_3 : word_t := zero;
+      signal next_row, next_col : word_t;
     begin
+      row_inst : entity work.load_adder
+        generic map (width => word_width)
+        port map (load => first, start => row_0, value => row_3, step => row_step_3, sum => next_row);
+
+      col_inst : entity work.load_adder
+        generic map (width => word_width)
+        port map (load => first, start => col_0, value => col_3, step => col_step_3, sum => next_col);
+
       row_and_col : process (clk)
       begin
         if rising_edge(clk) then
@@ -148,13 +157,10 @@ begin
               row_step_3 <= dd_row_0;
               col_step_3 <= dd_mixed_0;
             end if;
+            row_3 <= next_row;
+            col_3 <= next_col;
             if first = '1' then
-              row_3 <= row_0;
-              col_3 <= col_0;
               dd_col_3 <= dd_col_0;
-            else
-              row_3 <= row_3 + row_step_3;
-              col_3 <= col_3 + col_step_3;
             end if;
             if first_5 = '1' then
               dd_col_6 <= dd_col_3;
@@ -165,6 +171,10 @@ begin
       first_col <= col_3 + dd_col_3;
       span_dd_col <= dd_col_6;
     end generate;
+
+    value_inst : entity work.load_adder
+      generic map (width => word_width)
+      port map (load => first_5, start => value_4, value => value_6, step => step_6, sum => next_value);
 
     -- When a scanline is in stage 4, col_3 is already that of the next one: the step the carry adds.
     value_stages : process (clk)
@@ -181,11 +191,7 @@ begin
             col_5 <= zero;
           end if;
           step_6 <= row_5 + col_5;
-          if first_5 = '1' then
-            value_6 <= value_4;
-          else
-            value_6 <= value_6 + step_6;
-          end if;
+          value_6 <= next_value;
           first_col_4 <= first_col;
           first_col_5 <= first_col_4;
           first_col_6 <= first_col_5;

@@ -190,7 +190,7 @@ def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, s
     mode = f"prove\ndepth {proof.depth}" if job.mutant is None else f"bmc\ndepth {proof.mutant_depth}"
     (folder / "job.sby").write_text(
         f"[options]\nmode {mode}\ntimeout {SECONDS}\n[engines]\nsmtbmc boolector\n[script]\n"
-        f"read_verilog -formal {designs}\nread_verilog -formal {macros} {proof.name}.sv\n"
+        f"read_verilog -formal -nooverwrite {designs}\nread_verilog -formal {macros} {proof.name}.sv\n"
         f"hierarchy -check -top {proof.name}_properties {parameters}\n{cuts}prep -flatten\ncheck -assert\n"
         "[files]\n" + "".join(f"{source.name}\n" for source in sources)
     )

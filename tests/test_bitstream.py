@@ -19,8 +19,8 @@ from quadshade.synthesis.bitstream import (
     clocks_of,
     program,
     read_board,
-    with_memory_cells,
 )
+from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.flow import CHECKED, run_yosys
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -71,10 +71,10 @@ def test_small_board_has_no_latch(tmp_path: Path) -> None:
     run_yosys(["read_verilog board.v", f"hierarchy -check -top {ENTITY}", *CHECKED], tmp_path)
     # Its memory becomes that of the device, under the name that GHDL gave.
     (name,) = re.findall(r"^module (single_port_ram_\w+)", verilog, re.MULTILINE)
-    cells = with_memory_cells(verilog, ROOT)
+    cells = with_cells(verilog, "ice40", ROOT)
     assert len(re.findall(rf"^module {name}\b", cells, re.MULTILINE)) == 1
     assert "SB_SPRAM256KA" in cells and "num_words = 76800" in cells
-    assert with_memory_cells("module other;\nendmodule\n", ROOT) == "module other;\nendmodule\n"
+    assert with_cells("module other;\nendmodule\n", "ice40", ROOT) == "module other;\nendmodule\n"
 
 
 def test_clocks() -> None:

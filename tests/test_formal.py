@@ -41,7 +41,8 @@ def test_files_are_in_the_table() -> None:
 
 def test_every_stateful_unit_is_proved() -> None:
     packages = {"quadshade_pkg", "link_pkg", "packed_pkg", "screen_pkg"}
-    units = {path.stem for path in (formal.ROOT / "rtl").glob("*.vhd")} - packages - {"output_clamp"}
+    stateless = {"output_clamp", "load_adder"}
+    units = {path.stem for path in (formal.ROOT / "rtl").glob("*.vhd")} - packages - stateless
     proved = {unit for proof in PROOFS.values() for unit in proof.units}
     # Inside the core, and there only: the lanes are compared with each other. A fill is proved
     # with what it fills; the memory is what the proofs take for granted.

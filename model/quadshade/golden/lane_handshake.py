@@ -47,16 +47,18 @@ class LaneHandshake:
         """The chain's end may move."""
         return self.wanted and self.advance
 
-    def load(self, inputs: LaneInputs) -> bool:
-        """Pixels that advance in this cycle load a span; else they step."""
-        return self.wanted and inputs.span_valid
+    @property
+    def load(self) -> bool:
+        """Pixels that advance load what stands at the chain's end, valid or not; else they step."""
+        return self.wanted
 
     def clock(self, inputs: LaneInputs) -> None:
         """One clock edge."""
         if self.walk:
             self.walked_valid = inputs.walk_span_coming
         if self.advance:
-            self.wanted = inputs.span_single if self.load(inputs) else self.wanted or inputs.span_ending
+            loads_span = self.wanted and inputs.span_valid
+            self.wanted = inputs.span_single if loads_span else self.wanted or inputs.span_ending
         free = not inputs.emitted_valid or inputs.emitted_ready
         self.advance = free or (self.advance and not inputs.clamped_valid)
         self.walk = not self.walked_valid or not inputs.chain_full_next or self.span_taken

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import subprocess
 import tomllib
@@ -15,13 +14,13 @@ from pathlib import Path
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
+from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
 from quadshade.synthesis.flow import find_tool, mapping_commands, run_tool, run_yosys, tool_version
 
 ENTITY = "board"
 TOP = "top"
 RESET = "power_on_reset.v"
-SINGLE_PORT = re.compile(r"^module (single_port_ram_(\d+)_8)\b.*?^endmodule\n", re.MULTILINE | re.DOTALL)
 BAUD = 1_000_000
 
 PACKERS = {"ecp5": ("yowasp-ecppack", "--compress"), "ice40": ("yowasp-icepack",)}
@@ -153,17 +152,6 @@ def read_board(name: str, root: Path) -> BoardFile:
     )
 
 
-def with_memory_cells(verilog: str, root: Path) -> str:
-    """GHDL's netlist with ``synth/cells/single_port_ram.v`` in the place of that module, if there is one."""
-    found = SINGLE_PORT.search(verilog)
-    if not found:
-        return verilog
-    cells = (root / "synth" / "cells" / "single_port_ram.v").read_text()
-    cells = re.sub(r"\bmodule single_port_ram\b", f"module {found[1]}", cells)
-    cells = re.sub(r"\bnum_words = \d+", f"num_words = {found[2]}", cells)
-    return verilog[: found.start()] + cells + verilog[found.end() :]
-
-
 def clocks_of(report: Mapping, required: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """
     Clocks of nextpnr's report: reached and required.
@@ -221,7 +209,7 @@ def build(
     folder.mkdir(parents=True, exist_ok=True)
     progress(f"{board.name}: synthesis")
     netlist = write_netlist(board.generics, ENTITY)
-    (folder / "board.v").write_text(with_memory_cells(netlist.read_text(), root))
+    (folder / "board.v").write_text(with_cells(netlist.read_text(), board.family, root))
     sources = [board.top, board.top.with_name(RESET)]
     for source in sources:
         shutil.copyfile(source, folder / source.name)

@@ -35,6 +35,11 @@ class Device:
     nextpnr: tuple[str, ...]
     aim_mhz: int
 
+    @property
+    def family(self) -> str:
+        """``"ecp5"`` or ``"ice40"``."""
+        return self.name.split("-")[0]
+
 
 def _ecp5(size: str, speed: int, aim_mhz: int) -> Device:
     options = (f"--{size}", "--package", "CABGA381", "--speed", str(speed), "--lpf-allow-unconstrained")

@@ -27,6 +27,7 @@ from joblib import Parallel, delayed
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
+from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
 from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz
@@ -200,6 +201,10 @@ UNORDERED = "block_ram*/m:*words"
 Yosys adds registers and comparators that make it the old word."""
 
 
+LIBRARY = {"ecp5": ("read_verilog -lib +/lattice/cells_sim_ecp5.v",), "ice40": ()}
+"""By family, what declares the cells that a netlist holds before it is mapped (``cells.py``)."""
+
+
 def mapping_commands(device: Device, top: str) -> list[str]:
     """
     Yosys commands that map a design to a device's cells, lane by lane, then make it flat and check it.
@@ -211,6 +216,7 @@ def mapping_commands(device: Device, top: str) -> list[str]:
       The module on top.
     """
     return [
+        *LIBRARY[device.family],
         f"hierarchy -check -top {top}",
         f"setattr -mod -set keep_hierarchy 1 {LANES}",
         f"setattr -set no_rw_check 1 {UNORDERED}",
@@ -249,10 +255,15 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     QuadshadeError
       The netlist has a latch or is otherwise not sound, or Yosys fails.
     """
-    verilog = netlist.read_text()
+    verilog = with_cells(netlist.read_text(), device.family, root)
     harness = write_harness(module_ports(verilog, top), top)
     parts = "".join(path.read_text() for path in sorted((root / "synth" / "harness").glob("*.v")))
-    alone = [f"read_verilog {netlist.name}", f"hierarchy -check -top {top}", *CHECKED]
+    alone = [
+        f"read_verilog {netlist.name}",
+        *LIBRARY[device.family],
+        f"hierarchy -check -top {top}",
+        *CHECKED,
+    ]
     alone += [*mapping_commands(device, top), f"tee -q -o stat.json stat -json -top {top}"]
     whole = [f"read_verilog {netlist.name} parts.v harness.v", *mapping_commands(device, HARNESS)]
     whole += ["write_json harness.json"]

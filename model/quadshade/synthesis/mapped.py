@@ -12,6 +12,7 @@ from pathlib import Path
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
+from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import YOSYS, mapping_commands, once, run_yosys, tool_version
 
@@ -71,15 +72,16 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
     if kind == GENERIC:
         return [netlist]
     device = find_device(FAMILIES[kind])
-    commands = [f"read_verilog {netlist}", *mapping_commands(device, unit), "write_verilog -noattr mapped.v"]
+    verilog = with_cells(netlist.read_text(), kind, root)
+    commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit), "write_verilog -noattr mapped.v"]
     models = cell_models(kind)
 
     def make(folder: Path) -> None:
         (folder / "cells.v").write_text(models)
+        (folder / f"{unit}.v").write_text(verilog)
         run_yosys(commands, folder)
 
-    # The netlist's path holds the hash of what it is made of.
-    text = "\0".join([*commands, models, tool_version(YOSYS)])
+    text = "\0".join([verilog, *commands, models, tool_version(YOSYS)])
     name = hashlib.sha256(text.encode()).hexdigest()[:16]
     folder = once(root / "build" / "mapped", name, make)
     return [folder / "mapped.v", folder / "cells.v"]

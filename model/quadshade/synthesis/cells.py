@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Modules of GHDL's netlist that a device family has cells for, which Yosys does not find by itself."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+CELLS = {
+    "ecp5": {"load_adder": (r"(\d+)_(\d+)", ("width", "with_carry"))},
+    "ice40": {"single_port_ram": (r"(\d+)_8", ("num_words",))},
+}
+"""By family, entities with a file in ``synth/cells``: what GHDL adds to the name, the parameters in it."""
+
+
+def with_cells(verilog: str, family: str, root: Path) -> str:
+    """
+    A netlist with the cells of a family in the place of the modules that do the same.
+
+    Parameters
+    ----------
+    verilog : str
+      From :func:`quadshade.engine.netlist.write_netlist`.
+    family : str
+      ``"ecp5"`` or ``"ice40"``.
+    root : Path
+      Checkout of Quadshade.
+    """
+    for entity, (suffix, parameters) in CELLS[family].items():
+        cells = (root / "synth" / "cells" / f"{entity}.v").read_text()
+
+        def named(
+            found: re.Match, cells: str = cells, entity: str = entity, names: tuple = parameters
+        ) -> str:
+            body = re.sub(rf"\bmodule {entity}\b", f"module {found[1]}", cells)
+            for name, value in zip(names, found.groups()[1:], strict=True):
+                body = re.sub(rf"\bparameter {name} = \d+", f"parameter {name} = {value}", body)
+            return body
+
+        module = re.compile(rf"^module ({entity}_{suffix})\b.*?^endmodule\n", re.MULTILINE | re.DOTALL)
+        verilog = module.sub(named, verilog)
+    return verilog
