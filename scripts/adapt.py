@@ -20,14 +20,15 @@ import matplotlib
 import numpy as np
 from rich.console import Console
 
-from quadshade.adapt import error_figures, pixel_errors, refine
-from quadshade.adapt.choose import Shader
+from quadshade.adapt import ColourShader, CosineShader, adapt, error_figures, pixel_errors, refine
+from quadshade.adapt.choose import OUTPUT_ROUNDING
+from quadshade.adapt.figures import state_bytes
 from quadshade.adapt.plan import Planner
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.scene import Projected, fit_camera, load_scene, project
-from quadshade.shading import SHADING_ORDERS, Material, sample
+from quadshade.shading import Material, sample, sample_specular, specular_formats
 from quadshade.triangles import ScreenTriangles
 from real_meshes import PACKAGE, real_meshes
 
@@ -39,7 +40,15 @@ REPORT = Path(__file__).resolve().parents[1] / "docs" / "reports" / "adapt.md"
 GENERATED = ("sphere:168", "sphere:690", "torus:288")
 LEVELS = 3
 """Undivided, and every triangle divided into 4 and 16."""
+SHADINGS = {"flat": "s", "gouraud": "^", "quadratic": "o", "linear-specular": "v", "quadratic-specular": "D"}
+"""Fixed choices and their marks in the plot."""
 MEASURES = ("max", "rms")
+ERRORS = (16.0, 8.0, 4.0, 2.0, 1.0, 0.7)
+"""Grey levels for which the mix is shown."""
+MIX_COLUMNS = (
+    "mesh", "max error", "channels", "bytes", "the other's", "divided", "parts", "constant", "linear",
+    "quadratic", "with a power", "measured",
+)  # fmt: skip
 COLUMNS = (
     "mesh", "fixed choice", "bytes", "max", "bytes at no more max", "max at no more bytes",
     "rms", "bytes at no more rms", "rms at no more bytes",
@@ -54,7 +63,7 @@ def measured(
     figures = error_figures(pixel_errors(drawing.pixels, root, whole, None, material, formats))
     return {
         "triangles": len(triangles),
-        "bytes": 4 * drawing.stats["words"],
+        "bytes": 4 * drawing.stats["words"] + state_bytes(triangles),
         "clocks": drawing.stats["clocks"],
         "max": figures.largest,
         "rms": figures.rms,
@@ -64,12 +73,14 @@ def measured(
 def fixed_choices(whole: Projected, material: Material, formats: Formats) -> Iterator[dict]:
     """Every shading at every level of uniform division."""
     parts, root = whole, np.arange(len(whole))
+    core = specular_formats({}, whole, None, material)
     for level in range(LEVELS):
-        for shading in SHADING_ORDERS:
-            if shading in ("flat", "gouraud", "quadratic"):
-                triangles = sample(parts, shading, None, material, formats)
-                name = shading if not level else f"{shading}, each in {4**level}"
-                yield {"choice": name} | measured(triangles, root, whole, material, formats)
+        for shading in SHADINGS:
+            own = core if shading.endswith("-specular") else formats
+            take = sample_specular if shading.endswith("-specular") else sample
+            triangles = take(parts, shading, None, material, own)
+            name = shading if not level else f"{shading}, each in {4**level}"
+            yield {"choice": name, "shading": shading} | measured(triangles, root, whole, material, own)
         parts, parent = refine(parts, np.ones(len(parts), dtype=bool))
         root = root[parent]
 
@@ -77,14 +88,29 @@ def fixed_choices(whole: Projected, material: Material, formats: Formats) -> Ite
 def adaptive_curve(
     whole: Projected, measure: str, steps: int, most: int, material: Material, formats: Formats
 ) -> Iterator[dict]:
-    """Pictures from the cheapest to the best, until one takes more bytes than any fixed choice."""
-    planner = Planner(whole, Shader(None, material, formats, whole, measure))
-    for strictness in np.linspace(0, 1, steps):
-        adapted = planner.at(float(strictness)).adapted()
-        point = measured(adapted.triangles, adapted.root, whole, material, formats)
-        yield {"measure": measure, "estimated": adapted.estimated} | adapted.mix() | point
-        if point["bytes"] > most or adapted.estimated < (0.53 if measure == "max" else 0.2895):
-            return
+    """Pictures of either channels from the cheapest to the best, until one takes more than fixed choices."""
+    core = specular_formats({}, whole, None, material)
+    for kind, own in ((ColourShader, formats), (CosineShader, core)):
+        planner = Planner(whole, kind(None, material, own, whole, measure))
+        for strictness in np.linspace(0, 1, steps):
+            # The largest error is verified, as it is by `render --max-error`.
+            if measure == "max":
+                plan = planner.verified(OUTPUT_ROUNDING + planner.shader.full * 1e-4**strictness)[0]
+            else:
+                plan = planner.at(float(strictness))
+            adapted = plan.adapted()
+            point = measured(adapted.triangles, adapted.root, whole, material, own)
+            yield {"measure": measure, "estimated": adapted.estimated} | adapted.mix() | point
+            if point["bytes"] > most:
+                break
+
+
+def mixes(whole: Projected, material: Material, formats: Formats) -> Iterator[dict]:
+    """What is picked for several allowed errors, every pixel verified."""
+    for error in ERRORS:
+        adapted = adapt(whole, None, material, formats, max_error=error, shading="auto")
+        point = measured(adapted.triangles, adapted.root, whole, material, adapted.formats)
+        yield {"max_error": error} | adapted.mix() | point
 
 
 def compared(fixed: dict, curves: dict[str, list[dict]]) -> dict:
@@ -121,7 +147,8 @@ def scene_report(name: str, source: str, size: int, steps: int, material: Materi
     for row in rows:
         for measure in MEASURES:
             row[f"dominated_{measure}"] = verdict(row, measure)
-    return {"mesh": name, "faces": len(mesh), "visible": len(whole), "fixed": rows, "adaptive": curves}
+    about = {"mesh": name, "faces": len(mesh), "visible": len(whole)}
+    return about | {"fixed": rows, "adaptive": curves, "mixes": list(mixes(whole, material, formats))}
 
 
 def front(points: list[dict], measure: str) -> tuple[list, list]:
@@ -136,12 +163,14 @@ def plot(scenes: list[dict], path: Path) -> None:
     for column, scene in enumerate(scenes):
         for line, measure in enumerate(MEASURES):
             panel = axes[line, column]
-            for shading, mark in (("flat", "s"), ("gouraud", "^"), ("quadratic", "o")):
-                points = [row for row in scene["fixed"] if row["choice"].startswith(shading)]
+            for shading, mark in SHADINGS.items():
+                points = [row for row in scene["fixed"] if row["shading"] == shading]
                 panel.plot(
                     [p["bytes"] for p in points], [p[measure] for p in points], mark + ":", label=shading
                 )
-            panel.plot(*front(scene["adaptive"][measure], measure), "k-", label="adaptive")
+            for kind, line_style in ((ColourShader, "k--"), (CosineShader, "k-")):
+                points = [p for p in scene["adaptive"][measure] if p["adaptive_shading"] == kind.shading]
+                panel.plot(*front(points, measure), line_style, label=f"adaptive, {kind.shading}")
             panel.set(xscale="log", yscale="log")
             panel.xaxis.set_minor_formatter(NullFormatter())
             panel.yaxis.set_minor_formatter(NullFormatter())
@@ -152,7 +181,7 @@ def plot(scenes: list[dict], path: Path) -> None:
                 panel.set_xlabel("bytes")
             if not column:
                 panel.set_ylabel(f"{'largest' if measure == 'max' else 'rms'} error, grey levels")
-    axes[0, 0].legend(fontsize=8)
+    axes[0, 0].legend(fontsize=6)
     figure.tight_layout()
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
@@ -189,8 +218,10 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
         "",
         f"Of {len(verdicts)} comparisons (fixed choices, both measures) {counts['yes']} are dominated,",
         f"{counts['as many bytes, less error']} have as many bytes and less error, {counts['no']} are not.",
-        "Triangles of less than a pixel are not divided; one that covers a pixel sets a floor to the largest",
-        "error.",
+        "",
+        "Adaptive pictures have colour channels (`quadratic`) or cosines (`quadratic-specular`: diffuse and",
+        "specular, the power taken at the pixel, [shade.md](../shade.md)); the curve is the better of both.",
+        "Bytes are those of the set-up stream and, with cosines, of the shade unit's state too.",
         "",
     ]
     if missing:
@@ -212,13 +243,36 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
     ]
     if not_dominated:
         lines += ["", "Where it is not fewer bytes and less error:", "", *not_dominated]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", *mix_text(scenes)]) + "\n"
+
+
+def mix_text(scenes: list[dict]) -> list[str]:
+    """What `--max-error` picks."""
+    lines = [
+        "## What is picked",
+        "",
+        "`quadshade render --max-error`: every pixel verified. *Parts* are triangles sent, counted by their",
+        "highest order; *with a power* are those whose specular cosine is linear or quadratic. *The other's*",
+        "bytes are those of the channels that were tried too and not taken.",
+        "",
+        f"| {' | '.join(MIX_COLUMNS)} |",
+        "|" + " --- |" * len(MIX_COLUMNS),
+    ]
+    for scene in scenes:
+        for row in scene["mixes"]:
+            orders, powers = row["triangles_by_order"], row["specular_by_order"]
+            rival = row["rival"] or {}
+            line = [scene["mesh"], f"{row['max_error']:g}", row["adaptive_shading"], row["bytes"]]
+            line += [rival.get("bytes", "–"), row["divided"], row["triangles"], *orders.values()]
+            line += [powers["linear"] + powers["quadratic"], f"{row['max']:.2f}"]
+            lines.append(f"| {' | '.join(map(str, line))} |")
+    return lines
 
 
 @click.command()
 @click.option("--size", default=512, show_default=True, help="Pixels each way.")
 @click.option("--exponent", default=50.0, show_default=True, help="Specular exponent.")
-@click.option("--steps", default=21, show_default=True, help="Points of each adaptive curve, at most.")
+@click.option("--steps", default=31, show_default=True, help="Points of each adaptive curve, at most.")
 @click.option(
     "--mesh",
     "files",

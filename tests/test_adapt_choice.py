@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from quadshade.adapt import adapt, error_figures, pixel_errors, refine
+from quadshade.adapt.figures import core_clocks, stream_bytes
 from quadshade.adapt.fit import POINTS, bend, fit, shape_functions, split_errors
-from quadshade.adapt.plan import core_clocks, stream_bytes
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats

@@ -26,11 +26,16 @@ def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
     content = json.loads(stats.read_text())
     found = content["adaptive"]
     assert content["shading"] == "adaptive"
-    assert found["bytes"] == 4 * content["words"]
+    assert found["bytes"] == 4 * content["words"] + found["state_bytes"]
     assert found["measured_max"] <= 3.0
     assert found["share_over_max_error"] == 0
     assert content["triangles"] == found["triangles"] == sum(found["triangles_by_order"].values())
-    assert f"{found['bytes']} bytes; {found['triangles']} parts" in output
+    # Nobody has chosen between colours and cosines: what was, and what the other takes, is said.
+    assert found["adaptive_shading"] == "quadratic-specular" and content["generics"]["with_shade"] == 1
+    other = found["rival"]
+    assert other["shading"] == "quadratic" and other["bytes"] > found["bytes"] > found["state_bytes"] > 0
+    assert f"{found['bytes']} bytes as quadratic-specular, as quadratic {other['bytes']};" in output
+    assert f"; {found['triangles']} parts" in output
     assert f"error max {found['measured_max']:.2f}" in output
 
 
@@ -67,6 +72,45 @@ def test_a_linear_core_draws_adaptive_pictures(tmp_path: Path) -> None:
     assert "0 quadratic" in output
 
 
+@pytest.mark.parametrize("shading", ["quadratic", "quadratic-specular"])
+def test_a_shading_that_is_given_is_taken(tmp_path: Path, shading: str) -> None:
+    stats = tmp_path / "a.json"
+    code, output = run(
+        "-o", tmp_path / "a.png", "--engine", "model", "--max-error", "20", "--stats", stats,
+        "--shading", shading,
+    )  # fmt: skip
+    assert code == 0, output
+    found = json.loads(stats.read_text())["adaptive"]
+    assert found["adaptive_shading"] == shading and found["rival"] is None
+    assert (found["state_bytes"] > 0) == (shading != "quadratic")
+    assert f"bytes as {shading};" in output
+    assert ("with a power" in output) == (shading != "quadratic")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--generic", "with_shade=0"], "with_shade is 0"),
+        (["--exponent", "5000"], "exponent 5000"),
+        (["--light", "ambient=0.5"], "all light is ambient"),
+    ],
+)
+def test_scenes_without_cosines_are_drawn_in_colours_and_why_is_said(
+    tmp_path: Path, arguments: list[str], reason: str
+) -> None:
+    code, output = run("-o", tmp_path / "a.png", "--engine", "model", "--max-error", "9", *arguments)
+    assert code == 0, output
+    assert "notice: drawn as quadratic: " in output and reason in output
+    assert "bytes as quadratic;" in output
+
+
+def test_a_pack_is_adaptive_too(tmp_path: Path) -> None:
+    arguments = ["pack", "sphere:168", "--size", "128x128", "-o", str(tmp_path / "a.qs"), "--max-error", "4"]
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0, result.output
+    assert "bytes as quadratic-specular, as quadratic " in result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -78,6 +122,7 @@ def test_a_linear_core_draws_adaptive_pictures(tmp_path: Path) -> None:
         (["--error-measure", "rms"], "give --max-error or --budget"),
         (["--max-error", "4", "--shading", "phong"], "leave --shading out"),
         (["--max-error", "4", "--setup", "xshading"], "another --setup"),
+        (["--max-error", "4", "--shading", "quadratic-specular", "--toon", "3"], "--toon with --max-error"),
     ],
 )
 def test_refusals(tmp_path: Path, arguments: list[str], message: str) -> None:

@@ -3,21 +3,25 @@
 
 from quadshade.adapt.centre_test import centre_error, centre_subdivision
 from quadshade.adapt.cho import Subdivided, highlight_subdivision, regular_subdivision
-from quadshade.adapt.choose import Goal, Shader, choose_orders
+from quadshade.adapt.choose import Goal, choose_orders
+from quadshade.adapt.cosine_shader import CosineShader
+from quadshade.adapt.figures import ErrorFigures, error_figures, pixel_errors, stream_bytes
 from quadshade.adapt.highlight import (
     highlight_centres,
     highlight_possible,
     potentially_highlighted,
     with_neighbours,
 )
-from quadshade.adapt.plan import Adapted, ErrorFigures, adapt, error_figures, pixel_errors
+from quadshade.adapt.plan import Adapted, adapt
+from quadshade.adapt.shader import ColourShader
 from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
 
 __all__ = [
     "Adapted",
+    "ColourShader",
+    "CosineShader",
     "ErrorFigures",
     "Goal",
-    "Shader",
     "Subdivided",
     "adapt",
     "centre_error",
@@ -34,5 +38,6 @@ __all__ = [
     "regular_subdivision",
     "shared_edges",
     "split_edges",
+    "stream_bytes",
     "with_neighbours",
 ]

@@ -10,6 +10,9 @@ import numpy as np
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC
 
 DEGREE = 6
+EQUALISING = 6
+"""Steps towards equal extremes."""
+RIDGE = 1e-10
 ORDERS = (CONSTANT, LINEAR, QUADRATIC)
 
 
@@ -28,22 +31,22 @@ def shape_functions(points: np.ndarray, order: int) -> np.ndarray:
 
     Parameters
     ----------
-    points : (k, 3) float
+    points : (..., 3) float
       Barycentric coordinates.
     order : int
 
     Returns
     -------
-    (k, 1, 3 or 6) float64
+    (..., 1, 3 or 6) float64
       For the samples that the order uses: I1, I2, I3, I12, I13, I23 (Abbas et al., section 3).
     """
     if order == CONSTANT:
-        return np.ones((len(points), 1))
+        return np.ones((*points.shape[:-1], 1))
     if order == LINEAR:
         return points
-    first, second, third = points.T
-    middles = np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=1)
-    return np.concatenate([points * (2 * points - 1), middles], axis=1)
+    first, second, third = np.moveaxis(points, -1, 0)
+    middles = np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1)
+    return np.concatenate([points * (2 * points - 1), middles], axis=-1)
 
 
 NODES = [
@@ -77,6 +80,10 @@ class Fit:
     samples: np.ndarray
     largest: np.ndarray
     square: np.ndarray
+
+    def by(self, measure: str) -> np.ndarray:
+        """(n, channels) the error by a measure."""
+        return self.largest if measure == "max" else self.square
 
 
 def _evaluated(samples: np.ndarray, values: np.ndarray, order: int, full: float) -> Fit:
@@ -112,17 +119,85 @@ def fit(values: np.ndarray, order: int, full: float, measure: str) -> Fit:
     best = None
     for samples in (values[..., NODES[order]], nearest, moved):
         tried = _evaluated(samples, values, order, full)
-        if best is None:
-            best = tried
-            continue
-        key = "largest" if measure == "max" else "square"
-        better = getattr(tried, key) < getattr(best, key)
-        best = Fit(
-            np.where(better[..., None], tried.samples, best.samples),
-            np.where(better, tried.largest, best.largest),
-            np.where(better, tried.square, best.square),
-        )
+        best = tried if best is None else better_fit(best, tried, measure)
     return best
+
+
+def weighted_fit(shape: np.ndarray, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """
+    Polynomials nearest in the weighted mean square; of several the one that is nearest to a constant.
+
+    Parameters
+    ----------
+    shape : (k, p, m) float
+      What m samples contribute at p points of each triangle; k may be 1.
+    values, weights : (n, channels, p) float
+      Weights are not negative, and not all 0.
+
+    Returns
+    -------
+    (n, channels, m) float64
+      Samples.
+    """
+    shape = shape[:, None]
+    mean = (weights * values).sum(axis=-1, keepdims=True) / weights.sum(axis=-1, keepdims=True)
+    weighted = weights[..., None] * shape
+    matrix = np.swapaxes(weighted, -1, -2) @ shape
+    right = np.swapaxes(weighted, -1, -2) @ (values - mean)[..., None]
+    size = shape.shape[-1]
+    # Shape functions sum to 1, so what this pulls to zero is the distance from the mean.
+    little = RIDGE * np.trace(matrix, axis1=-2, axis2=-1)[..., None, None] * np.eye(size)
+    return np.linalg.solve(matrix + little, right)[..., 0] + mean
+
+
+def fit_at(
+    places: np.ndarray, used: np.ndarray, values: np.ndarray, order: int, full: float, measure: str
+) -> Fit:
+    """
+    As :func:`fit`, at other points in each triangle.
+
+    Parameters
+    ----------
+    places : (n, p, 3) float
+      Barycentric coordinates.
+    used : (n, p) bool
+      Which of them count, at least one.
+    values : (n, channels, p) float64
+    order, full, measure
+      As for :func:`fit`.
+
+    Returns
+    -------
+    Fit
+    """
+    shape, counts = shape_functions(places, order), used[:, None]
+    weights = np.broadcast_to(counts, values.shape).astype(np.float64)
+    best = None
+    for _ in range(1 + EQUALISING * (measure == "max")):
+        samples = np.clip(weighted_fit(shape, values, weights), 0, full)
+        rest = abs(np.clip(samples @ np.swapaxes(shape, 1, 2), 0, full) - values) * counts
+        padded = np.zeros((*values.shape[:2], 6))
+        padded[..., : samples.shape[2]] = samples
+        tried = Fit(padded, rest.max(axis=2), (rest**2).sum(axis=2) / counts.sum(axis=2))
+        best = tried if best is None else better_fit(best, tried, measure)
+        weights = equalised(weights, rest)
+    return best
+
+
+def equalised(weights: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Lawson's next weights (..., p) on the way to the least largest difference; ``rest`` is not negative."""
+    raised = weights * (rest / np.maximum(rest.max(axis=-1, keepdims=True), 1e-12) + 1e-3)
+    return raised / np.maximum(raised.sum(axis=-1, keepdims=True), 1e-300)
+
+
+def better_fit(best: Fit, tried: Fit, measure: str) -> Fit:
+    """Of two fits the better, for each triangle and channel."""
+    better = tried.by(measure) < best.by(measure)
+    return Fit(
+        np.where(better[..., None], tried.samples, best.samples),
+        np.where(better, tried.largest, best.largest),
+        np.where(better, tried.square, best.square),
+    )
 
 
 def _halves() -> list[list[np.ndarray]]:

@@ -4,27 +4,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.adapt.choose import MEASURES, OUTPUT_ROUNDING, Decision, Goal, Shader, Surface, settle
+from quadshade.adapt.choose import MEASURES, OUTPUT_ROUNDING, Decision, Goal, divide, settle
+from quadshade.adapt.cosine_shader import CosineShader
+from quadshade.adapt.figures import core_clocks, error_figures, pixel_errors, state_bytes, stream_bytes
+from quadshade.adapt.shader import ColourShader, Shader, Surface
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import ORDER_NAMES, Formats
 from quadshade.scene.project import Projected
-from quadshade.setup.packet import packet_lanes
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
-from quadshade.shading.reference import phong
+from quadshade.shading.specular import specular_formats
 from quadshade.triangles import Pixels, ScreenTriangles
 
 UNITS = ("bytes", "clocks")
+SHADINGS = (ColourShader.shading, CosineShader.shading, "auto")
+COLOURS = 3
+FITTED = ("num_channels", "with_shade", "num_specular")
+"""Generics that are fitted to the lights where the core has no shade unit."""
 BISECTIONS = 16
 CLOSE = 0.985
 """A budget is used up where this share of it is."""
-VERIFY_ROUNDS = 5
+VERIFY_ROUNDS = 8
 TIGHTEN = 0.75
 HIGHEST_PRICE, LOWEST_PRICE = 1e8, 1e-6
 NOTHING_LEFT = 0.03
@@ -48,6 +53,13 @@ class Adapted:
       ``max`` or ``rms``.
     estimated : float
       Error in output units against Phong shading, by that measure, the output's rounding included.
+    shading : str
+      ``quadratic`` (red, green, blue) or ``quadratic-specular`` (diffuse and specular cosines).
+    formats : Formats
+      Of the core that draws it.
+    rival : dict or None
+      Where both were tried, what is known of the other: ``shading``, and ``bytes`` and ``estimated_error``,
+      or ``reason``.
     """
 
     triangles: ScreenTriangles
@@ -56,13 +68,22 @@ class Adapted:
     roots: int
     measure: str
     estimated: float
+    shading: str
+    formats: Formats
+    rival: dict | None = None
 
     def mix(self) -> dict:
-        """Counts for reports: triangles sent, undivided ones, and triangles and channels by order."""
-        orders = self.triangles.orders
+        """Counts for reports: shading, triangles sent, divided ones, and triangles and channels by order."""
+        orders, names = self.triangles.orders, self.triangles.channels
         highest = np.bincount(orders.max(axis=1, initial=0), minlength=len(ORDER_NAMES))
         channels = np.bincount(orders.ravel(), minlength=len(ORDER_NAMES))
+        specular = orders[:, [name.startswith("s") for name in names]]
+        powers = np.bincount(specular.ravel(), minlength=len(ORDER_NAMES))
         return {
+            "adaptive_shading": self.shading,
+            "rival": self.rival,
+            "state_bytes": state_bytes(self.triangles),
+            "specular_by_order": dict(zip(ORDER_NAMES, map(int, powers), strict=True)),
             "triangles_of_mesh": self.roots,
             "divided": int((np.bincount(self.root, minlength=self.roots) > 1).sum()),
             "triangles": len(self.root),
@@ -71,73 +92,6 @@ class Adapted:
             "error_measure": self.measure,
             "estimated_error": self.estimated,
         }
-
-
-@dataclass(frozen=True)
-class ErrorFigures:
-    """
-    Drawn pixels against Phong shading of the undivided mesh, over every pixel drawn and all channels.
-
-    Attributes
-    ----------
-    largest, rms : float
-      Output units.
-    exceeding : float
-      Share of the pixels in which any channel is off by more than was allowed.
-    """
-
-    largest: float
-    rms: float
-    exceeding: float
-
-
-def pixel_errors(
-    pixels: Pixels,
-    root: np.ndarray,
-    projected: Projected,
-    lights: Sequence[Light] | None = None,
-    material: Material | None = None,
-    formats: Formats | None = None,
-) -> np.ndarray:
-    """
-    How far drawn pixels are from Phong shading.
-
-    Parameters
-    ----------
-    pixels : Pixels
-    root : (n,) int
-      For each drawn triangle, the one of ``projected`` that it is a part of.
-    projected : Projected
-      The undivided mesh.
-    lights, material, formats
-      As for :func:`adapt`.
-
-    Returns
-    -------
-    (m, 3) float64
-      Differences without sign, in output units; the reference is not rounded.
-    """
-    true = phong(projected, root[pixels.triangle], pixels.x, pixels.y, lights, material, formats)
-    return abs(pixels.value - true)
-
-
-def error_figures(errors: np.ndarray, allowed: float = np.inf) -> ErrorFigures:
-    """Figures of (m, 3) errors from :func:`pixel_errors`."""
-    if not errors.size:
-        return ErrorFigures(0.0, 0.0, 0.0)
-    over = (errors > allowed).any(axis=1).mean()
-    return ErrorFigures(float(errors.max()), float(np.sqrt((errors**2).mean())), float(over))
-
-
-def stream_bytes(triangles: ScreenTriangles, formats: Formats) -> int:
-    """Bytes of the set-up stream."""
-    primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
-    return 4 * int(packet_lanes(primitives.orders, primitives.header["has_second"], formats).sum())
-
-
-def core_clocks(triangles: ScreenTriangles, formats: Formats) -> int:
-    """Clocks that the core takes, from the golden model."""
-    return draw(triangles, formats).stats["clocks"]
 
 
 class Planner:
@@ -161,6 +115,33 @@ class Planner:
         price = HIGHEST_PRICE * (LOWEST_PRICE / HIGHEST_PRICE) ** strictness
         return self.settled(self.everywhere(np.inf), price)
 
+    def verified(self, max_error: float) -> tuple[Plan, bool]:
+        """
+        The plan for a largest error: drawn, and stricter where a pixel is off by more, until none is.
+
+        Returns
+        -------
+        plan : Plan
+        kept : bool
+          Whether no pixel is off by more.
+        """
+        allowed = self.everywhere(max_error - OUTPUT_ROUNDING)
+        plan = self.settled(allowed, 0.0)
+        for attempt in range(VERIFY_ROUNDS):
+            pixels, errors = plan.drawn()
+            over = np.unique(pixels.triangle[(errors > max_error).any(axis=1)])
+            if not len(over):
+                return plan, True
+            allowed[np.unique(plan.surface.root[over])] *= TIGHTEN
+            surface = plan.surface
+            if attempt:
+                # No sample saw it: what is halved is sampled anew, and by its pixels where it has few.
+                wanting = np.zeros(len(surface.root), dtype=bool)
+                wanting[over] = surface.found["pixels"][over] > 1
+                surface = divide(surface, replace(plan.decision, wanting=wanting, forced=True), self.shader)
+            plan = self.settled(allowed, 0.0, surface)
+        return plan, not (plan.drawn()[1] > max_error).any()
+
 
 class Plan:
     """A surface with its decision."""
@@ -173,10 +154,16 @@ class Plan:
         """The error by the plan's measure, the output's rounding included."""
         if self.planner.measure == "max":
             return float(self.decision.largest.max(initial=0)) + OUTPUT_ROUNDING
-        pixels = self.surface.pixels(self.planner.shader.formats)
-        channels = self.decision.orders.shape[1]
-        square = (self.decision.square * pixels).sum() / max(channels * pixels.sum(), 1e-9)
+        pixels = self.surface.found["pixels"]
+        square = (self.decision.square * pixels).sum() / max(COLOURS * pixels.sum(), 1e-9)
         return float(np.sqrt(square + OUTPUT_ROUNDING**2 / 3))
+
+    def drawn(self) -> tuple[Pixels, np.ndarray]:
+        """What the golden model draws, and how far its pixels are off (m, 3)."""
+        shader, whole = self.planner.shader, self.planner.whole.projected
+        pixels = draw(self.triangles, shader.formats).pixels
+        root = self.surface.root
+        return pixels, pixel_errors(pixels, root, whole, shader.lights, shader.material, shader.formats)
 
     def adapted(self) -> Adapted:
         return Adapted(
@@ -186,25 +173,9 @@ class Plan:
             len(self.planner.whole.root),
             self.planner.measure,
             self.estimated(),
+            self.planner.shader.shading,
+            self.planner.shader.formats,
         )
-
-
-def _verified(planner: Planner, plan: Plan, max_error: float) -> Plan:
-    """Draw, and be stricter with triangles in which a pixel is off by more, until none is."""
-    shader = planner.shader
-    allowed = planner.everywhere(max_error - OUTPUT_ROUNDING)
-    for _ in range(VERIFY_ROUNDS):
-        pixels = draw(plan.triangles, shader.formats).pixels
-        root = plan.surface.root
-        errors = pixel_errors(
-            pixels, root, planner.whole.projected, shader.lights, shader.material, shader.formats
-        )
-        over = (errors > max_error).any(axis=1)
-        if not over.any():
-            break
-        allowed[np.unique(root[pixels.triangle[over]])] *= TIGHTEN
-        plan = planner.settled(allowed, 0.0, plan.surface)
-    return plan
 
 
 def _dearest_within(planner: Planner, cost: Callable[[ScreenTriangles], int], budget: int, unit: str) -> Plan:
@@ -267,6 +238,8 @@ def adapt(
     unit: str = "bytes",
     measure: str = "max",
     verify: bool = True,
+    shading: str = "quadratic",
+    specular: Formats | None = None,
 ) -> Adapted:
     """
     Pick for each triangle the cheapest orders, or divide it, for an allowed error or a budget.
@@ -292,7 +265,14 @@ def adapt(
       ``max`` or ``rms``.
     verify : bool
       With ``max_error`` and ``max``: draw with the golden model, compare every pixel, and be stricter with
-      triangles that exceed the limit. Without, the estimate from 28 points of each triangle decides.
+      triangles that exceed the limit. Without, the estimate from 28 points of each triangle decides. With
+      a budget: which shading is better is measured, not estimated.
+    shading : str
+      ``quadratic``: red, green and blue. ``quadratic-specular``: diffuse and specular cosines, the power at
+      every pixel. ``auto``: both are tried, and the one is taken that keeps the error in fewer bytes, or
+      whose error is less for the budget.
+    specular : Formats, optional
+      Of the core that draws cosines; by default ``formats``, fitted to the lights.
 
     Returns
     -------
@@ -302,27 +282,83 @@ def adapt(
     ------
     QuadshadeError
       Neither or both of error and budget, an error that the output's rounding alone exceeds, a budget that
-      the cheapest picture exceeds, an unknown unit or measure, a core without three channels.
+      the cheapest picture exceeds, an unknown unit, measure or shading, a core without three channels; with
+      ``quadratic-specular`` :class:`quadshade.shading.specular.UnsuitedError` for a scene without cosines.
     """
     if (max_error is None) == (budget is None):
         raise QuadshadeError(
             "an adaptive picture needs a limit", "give a largest error or a budget, not both"
         )
-    if measure not in MEASURES:
-        raise QuadshadeError(f"the error measure is {measure!r}", f"give {' or '.join(MEASURES)}")
-    if unit not in UNITS:
-        raise QuadshadeError(f"the budget's unit is {unit!r}", f"give {' or '.join(UNITS)}")
-    shader = Shader(lights, material, formats, projected, measure)
-    planner = Planner(projected, shader)
-    if budget is not None:
-        count = stream_bytes if unit == "bytes" else core_clocks
-        return _dearest_within(planner, lambda t: count(t, shader.formats), budget, unit).adapted()
+    for name, value, known in (("error measure", measure, MEASURES), ("budget's unit", unit, UNITS)):
+        if value not in known:
+            raise QuadshadeError(f"the {name} is {value!r}", f"give {' or '.join(known)}")
+    if shading not in SHADINGS:
+        raise QuadshadeError(f"the shading is {shading!r}", f"give one of {', '.join(SHADINGS)}")
     least = OUTPUT_ROUNDING if measure == "max" else float(np.sqrt(OUTPUT_ROUNDING**2 / 3))
-    if not max_error > least:
+    if budget is None and not max_error > least:
         raise QuadshadeError(
             f"the allowed error is {max_error:g}", f"rounding the output costs {least:.3g} alone: give more"
         )
-    if measure == "rms":
-        return _cheapest_below(planner, max_error).adapted()
-    plan = planner.settled(planner.everywhere(max_error - OUTPUT_ROUNDING), 0.0)
-    return (_verified(planner, plan, max_error) if verify else plan).adapted()
+    scene = projected, lights, material
+    tried, reasons = [], {}
+    for kind in SHADINGS[:2] if shading == "auto" else (shading,):
+        try:
+            shader = _shader(kind, scene, formats, specular, measure)
+            planner = Planner(projected, shader)
+            if budget is None:
+                tried.append(_for_error(planner, max_error, verify))
+            else:
+                tried.append(_for_budget(planner, budget, unit, verify))
+        except QuadshadeError as reason:
+            reasons[kind] = reason
+    if not tried:
+        raise next(iter(reasons.values()))
+    tried.sort(key=lambda one: one[0])
+    best = tried[0][1].adapted()
+    if len(tried) > 1:
+        other = tried[1][1]
+        size = stream_bytes(other.triangles, other.planner.shader.formats)
+        rival = {"shading": other.planner.shader.shading, "bytes": size, "estimated_error": other.estimated()}
+        return replace(best, rival=rival)
+    for kind, reason in reasons.items():
+        return replace(best, rival={"shading": kind, "reason": str(reason)})
+    return best
+
+
+def _shader(
+    kind: str, scene: tuple, formats: Formats | None, specular: Formats | None, measure: str
+) -> Shader:
+    """What shades for one choice of channels."""
+    projected, lights, material = scene
+    if kind == ColourShader.shading:
+        return ColourShader(lights, material, formats, projected, measure)
+    if specular is None:
+        given = {} if formats is None else formats.generics()
+        if not given.get("with_shade"):
+            given = {name: value for name, value in given.items() if name not in FITTED}
+        specular = specular_formats(given, projected, lights, material)
+    return CosineShader(lights, material, specular, projected, measure)
+
+
+def _for_error(planner: Planner, max_error: float, verify: bool) -> tuple[tuple, Plan]:
+    """The cheapest plan for an error, and what it is sorted by: whether the error is kept, then bytes."""
+    shader = planner.shader
+    if planner.measure == "rms":
+        plan = _cheapest_below(planner, max_error)
+        kept = plan.estimated() <= max_error
+    else:
+        plan, kept = planner.settled(planner.everywhere(max_error - OUTPUT_ROUNDING), 0.0), True
+        if verify:
+            plan, kept = planner.verified(max_error)
+    return (not kept, stream_bytes(plan.triangles, shader.formats)), plan
+
+
+def _for_budget(planner: Planner, budget: int, unit: str, verify: bool) -> tuple[tuple, Plan]:
+    """The best plan for a budget, and what it is sorted by: its error."""
+    shader = planner.shader
+    count = stream_bytes if unit == "bytes" else core_clocks
+    plan = _dearest_within(planner, lambda triangles: count(triangles, shader.formats), budget, unit)
+    if not verify:
+        return (plan.estimated(),), plan
+    figures = error_figures(plan.drawn()[1])
+    return (figures.largest if planner.measure == "max" else figures.rms,), plan

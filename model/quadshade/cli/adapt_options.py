@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from quadshade.errors import QuadshadeError
+from quadshade.shading.specular import UnsuitedError, specular_formats
 
 if TYPE_CHECKING:
     from quadshade.adapt import Adapted
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from quadshade.triangles import Drawing
 
 MEASURES = ("max", "rms")
+ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
 _BUDGET = re.compile(r"([0-9]{1,15})(bytes|clocks)?")
 
 
@@ -54,7 +56,8 @@ def adapt_options(command: Callable) -> Callable:
             type=float,
             metavar="GREY",
             help="Adaptive: the cheapest order of each channel and triangle, or division, for this error "
-            "against Phong shading, in grey levels (docs/adapt.md).",
+            "against Phong shading, in grey levels; of colours or of cosines, whichever takes less, unless "
+            "--shading says (docs/adapt.md).",
         ),
         click.option(
             "--budget",
@@ -102,14 +105,18 @@ def adapt_options(command: Callable) -> Callable:
     return with_choice
 
 
-def check_adaptive(adapt_choice: dict | None, shading: str, method: str) -> None:
+def check_adaptive(adapt_choice: dict | None, shading: str, method: str, toon: int | None) -> None:
     """Refuse a shading or set-up that leaves nothing to choose; raises :class:`QuadshadeError`."""
     if adapt_choice is None:
         return
-    if shading != "quadratic":
+    if shading not in ADAPTIVE_SHADINGS:
         raise QuadshadeError(
             f"the shading is {shading}, and --max-error or --budget chooses it for each triangle",
-            "leave --shading out",
+            f"leave --shading out, or give {' or '.join(ADAPTIVE_SHADINGS)}",
+        )
+    if toon is not None:
+        raise QuadshadeError(
+            "--toon with --max-error or --budget, which are about Phong shading", "leave it out"
         )
     if method == "xshading":
         raise QuadshadeError("--setup xshading takes its own samples", "use another --setup")
@@ -117,17 +124,61 @@ def check_adaptive(adapt_choice: dict | None, shading: str, method: str) -> None
 
 def adapted_to(
     choice: dict | None,
+    shading: str | None,
     projected: Projected,
     lights: Sequence[Light] | None,
     material: Material,
     formats: Formats,
+    generics: dict[str, int],
 ) -> Adapted | None:
-    """What is to be drawn for the error or budget of ``adapt_choice``, or None where there is none."""
+    """
+    What is to be drawn for the error or budget of ``adapt_choice``.
+
+    Parameters
+    ----------
+    choice : dict or None
+    shading : str or None
+      One of ``ADAPTIVE_SHADINGS``, where the user has given one; else the cheaper one is taken.
+    projected, lights, material, formats
+      As for :func:`quadshade.adapt.adapt`.
+    generics : dict of str to int
+      What the user has set.
+
+    Returns
+    -------
+    Adapted or None
+      None where there is no choice.
+    """
     if choice is None:
         return None
     from quadshade.adapt import adapt
 
-    return adapt(projected, lights, material, formats, **choice)
+    specular = None
+    if shading != ADAPTIVE_SHADINGS[0]:
+        try:
+            specular = specular_formats(generics, projected, lights, material)
+        except UnsuitedError as reason:
+            click.echo(f"quadshade: notice: drawn as {ADAPTIVE_SHADINGS[0]}: {reason}", err=True)
+            shading = ADAPTIVE_SHADINGS[0]
+    return adapt(projected, lights, material, formats, **choice, shading=shading or "auto", specular=specular)
+
+
+def adapt_note(adapted: Adapted) -> str:
+    """Bytes and kind of channels of a picture, what the other kind would have taken, and the mix."""
+    from quadshade.adapt import stream_bytes
+
+    size = stream_bytes(adapted.triangles, adapted.formats)
+    rival = adapted.rival or {}
+    other = f", as {rival['shading']} {rival['bytes']}" if "bytes" in rival else ""
+    mix = adapted.mix()
+    orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
+    powers = sum(mix["specular_by_order"].values()) - mix["specular_by_order"]["constant"]
+    if adapted.shading != ADAPTIVE_SHADINGS[0]:
+        orders += f", {powers} with a power"
+    return (
+        f"{size} bytes as {adapted.shading}{other}; {mix['triangles']} parts ({orders}), "
+        f"{mix['divided']} triangles divided"
+    )
 
 
 def adapt_report(
@@ -147,7 +198,8 @@ def adapt_report(
     limit = choice["max_error"] if choice["measure"] == "max" else None
     errors = pixel_errors(drawing.pixels, adapted.root, projected, lights, material, formats)
     figures = error_figures(errors, math.inf if limit is None else limit)
-    mix, size = adapted.mix(), 4 * drawing.stats["words"]
+    mix = adapted.mix()
+    size = 4 * drawing.stats["words"] + mix["state_bytes"]
     content = {
         "max_error": choice["max_error"],
         "budget": choice["budget"],
@@ -158,11 +210,9 @@ def adapt_report(
         "measured_rms": figures.rms,
         "share_over_max_error": None if limit is None else figures.exceeding,
     }
-    orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
     over = "" if limit is None else f", {figures.exceeding:.4%} of the pixels over {limit:g}"
     note = (
-        f", {size} bytes; {mix['triangles']} parts ({orders}), {mix['divided']} triangles divided; "
-        f"error max {figures.largest:.2f}, rms {figures.rms:.3f} "
+        f", {adapt_note(adapted)}; error max {figures.largest:.2f}, rms {figures.rms:.3f} "
         f"(estimated {mix['error_measure']} {mix['estimated_error']:.3f}){over}"
     )
     return {"adaptive": content}, note

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from quadshade.cli.adapt_options import adapt_note
 from quadshade.cli.board import board_settings
 from quadshade.cli.options import parse_generics, write_atomically, write_json
 from quadshade.cli.port_options import PortChoice, is_given, opened
@@ -70,6 +71,9 @@ def render_on_board(
         settings = board_settings(None, size, choice.generics, shaded)
         if style_choice.style == "cartoon":
             settings = settings.with_generics({"num_specular": settings.formats.num_channels})
+        if choice.adapt_choice is not None and not is_given("shading") and not choice.generics:
+            # Enough for colours and, of one light, for cosines.
+            settings = settings.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
         if style_choice.kinds and can_draw_gbuffer(settings.formats):
             settings = settings.with_generics({"with_edge_map": 1})
     with opened(port, settings, engine if port.is_simulated else None) as board:
@@ -91,10 +95,12 @@ def render_on_board(
     if stats is not None:
         kind = choice.shading if adapted is None else "adaptive"
         about = {"scene": choice.scene, "shading": kind, "width": width, "height": height}
+        about |= {} if adapted is None else {"adaptive": adapted.mix()}
         write_json(stats, {"port": port.port, **figures, **about, "faces": scene.faces, "generics": generics})
     click.echo(
         f"{output}: {width}x{height}, {len(triangles)} triangles, drawn by the board at {port.port}"
         + (", as the golden model predicts" if port.verify else "")
+        + ("" if adapted is None else f"; {adapt_note(adapted)}")
     )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from quadshade.cli.adapt_options import adapt_note
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import GENERICS_EPILOG, PATH, check_writable, write_atomically
 from quadshade.cli.scene_options import (
@@ -70,7 +71,7 @@ def pack(output: Path, choice: SceneChoice, pack_error: float) -> None:
     check_writable(output, inputs=[choice.path])
     scene = show_scene(choice, formats)
     with progress(f"packing {len(scene.projected)} triangles"):
-        triangles, formats, _ = shade_scene(choice, scene, formats)
+        triangles, formats, adapted = shade_scene(choice, scene, formats)
         frame, batch = pack_frame(triangles, formats, scene.ground, pack_error, **choice.setup_choice)
     content = encode_frame_file(frame)
     write_atomically(output, lambda temporary: temporary.write_bytes(content))
@@ -80,4 +81,5 @@ def pack(output: Path, choice: SceneChoice, pack_error: float) -> None:
         f"{output}: {frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets, "
         f"{size:.1f} bytes a triangle on the line, at most {batch.added:.4f} grey levels added"
         + (f", {undefined} packets undefined and drawn as 0" if undefined else "")
+        + ("" if adapted is None else f"; unpacked {adapt_note(adapted)}")
     )

@@ -15,6 +15,7 @@ import click
 
 from quadshade.cli.adapt_options import adapt_options, adapted_to, check_adaptive
 from quadshade.cli.options import generic_option, parse_generics
+from quadshade.cli.port_options import is_given
 from quadshade.cli.setup_options import SETUPS, check_method, setup_options
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, Formats
@@ -69,13 +70,16 @@ class SceneChoice:
 
         formats = Formats().with_generics(parse_generics(self.generics))
         check_size(*parse_size(self.size), formats)
-        _check_orders(self.shading if self.adapt_choice is None else "flat", formats)
+        if self.adapt_choice is None:
+            _check_orders(self.shading, formats)
+        elif not formats.with_shade:
+            _check_colours(formats)
         check_method(self.setup_choice["method"], self.shading)
         if self.toon is not None and self.shading not in SPECULAR_ORDERS:
             raise QuadshadeError(
                 f"--toon with the shading {self.shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
             )
-        check_adaptive(self.adapt_choice, self.shading, self.setup_choice["method"])
+        check_adaptive(self.adapt_choice, self.shading, self.setup_choice["method"], self.toon)
         return formats
 
 
@@ -211,9 +215,13 @@ def shade_scene(
     choice: SceneChoice, shown: ShownScene, formats: Formats
 ) -> tuple[ScreenTriangles, Formats, Adapted | None]:
     """What is to be drawn, the formats of a core for it, and what was adapted, if anything was."""
-    adapted = adapted_to(choice.adapt_choice, shown.projected, shown.lights, shown.surface, formats)
+    given = choice.shading if is_given("shading") else None
+    adapted = adapted_to(
+        choice.adapt_choice, given, shown.projected, shown.lights, shown.surface, formats,
+        parse_generics(choice.generics),
+    )  # fmt: skip
     if adapted is not None:
-        return adapted.triangles, formats, adapted
+        return adapted.triangles, adapted.formats, adapted
     return *_sample(choice, shown, formats), None
 
 

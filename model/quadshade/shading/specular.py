@@ -16,7 +16,7 @@ import numpy as np
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
 from quadshade.scene.project import Projected
-from quadshade.setup.shade_state import COEFFICIENT_LIMIT, Curve, power_curve, shade_state
+from quadshade.setup.shade_state import COEFFICIENT_LIMIT, Curve, ShadeState, power_curve, shade_state
 from quadshade.shading.lights import AmbientLight, Light, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
@@ -155,34 +155,19 @@ def sample_specular(
         formats = specular_formats({}, projected, lights, material, through_tables)
     pointed = specular_lights(projected, lights, material)
     points = SAMPLE_POINTS[: 3 if order == LINEAR else 6]
-    diffuse, specular, strength = _cosines(
-        projected, pointed, material, points, x_shading and order == QUADRATIC
+    diffuse, specular, strength = cosines(
+        projected, pointed, material, points, x_shading=x_shading and order == QUADRATIC
     )
     first_specular = len(pointed) if through_tables else formats.num_channels - formats.num_specular
-    coefficients = np.zeros((formats.num_channels, SHADED_COLOURS))
     samples = np.zeros((len(projected), formats.num_channels, len(SAMPLE_POINTS)))
     orders = np.full((len(projected), formats.num_channels), CONSTANT, dtype=np.int64)
     top = (1 << formats.value_bits) - 1
-    for index, light in enumerate(pointed):
-        colour = np.asarray(light.colour) * strength[index]
-        for channel, cosine, reflected in (
-            (index, diffuse[index], np.asarray(material.diffuse) * material.colour),
-            (first_specular + index, specular[index], np.asarray(material.specular)),
-        ):
-            coefficients[channel] = colour * reflected
-            samples[:, channel, : len(points)] = cosine * top
-            orders[:, channel] = order
-    if coefficients.max() >= COEFFICIENT_LIMIT:
-        raise UnsuitedError(f"a light reflects {coefficients.max():.3g}, not less than {COEFFICIENT_LIMIT}")
-    ambient = sum(
-        (np.asarray(light.colour) for light in lights if isinstance(light, AmbientLight)), np.zeros(3)
-    ) * (np.asarray(material.ambient) * material.colour)
-    others = formats.num_channels - first_specular
-    if curves is None:
-        tables = [power_curve(material.exponent)] * others
-    else:
-        tables = [curves[0]] * first_specular + [curves[1]] * others
+    for first, channels in ((0, diffuse), (first_specular, specular)):
+        for index, cosine in enumerate(channels):
+            samples[:, first + index, : len(points)] = cosine * top
+            orders[:, first + index] = order
     names = [f"d{index}" for index in range(first_specular)]
+    others = formats.num_channels - first_specular
     return ScreenTriangles(
         projected.width,
         projected.height,
@@ -191,27 +176,110 @@ def sample_specular(
         orders,
         projected.depth if formats.with_depth else None,
         (*names, *(f"s{index}" for index in range(others))),
-        shade_state(
-            formats,
-            ambient,
-            coefficients,
-            tables,
-            gated=0 if through_tables else (1 << len(pointed)) - 1,
-        ),
+        specular_state(formats, lights, material, strength, curves),
     )
 
 
-def _cosines(
-    projected: Projected, lights: list[Light], material: Material, points: np.ndarray, x_shading: bool
+def specular_state(
+    formats: Formats,
+    lights: Sequence[Light],
+    material: Material,
+    strength: np.ndarray,
+    curves: tuple[Curve, Curve] | None = None,
+) -> ShadeState:
+    """
+    Colours and tables of the shade unit for a scene.
+
+    Parameters
+    ----------
+    formats : Formats
+    lights : sequence of lights
+      Ambient ones too.
+    material : Material
+    strength : (pointed lights,) float
+      From :func:`cosines`.
+    curves : two callables, optional
+      As for :func:`sample_specular`.
+
+    Returns
+    -------
+    ShadeState
+
+    Raises
+    ------
+    UnsuitedError
+      A light that reflects more than a coefficient holds.
+    """
+    pointed = [light for light in lights if not isinstance(light, AmbientLight)]
+    first_specular = len(pointed) if curves is not None else formats.num_channels - formats.num_specular
+    coefficients = np.zeros((formats.num_channels, SHADED_COLOURS))
+    for first, colours in zip((0, first_specular), light_colours(pointed, material, strength), strict=True):
+        coefficients[first : first + len(pointed)] = colours
+    if coefficients.max() >= COEFFICIENT_LIMIT:
+        raise UnsuitedError(f"a light reflects {coefficients.max():.3g}, not less than {COEFFICIENT_LIMIT}")
+    others = formats.num_channels - first_specular
+    if curves is None:
+        tables = [power_curve(material.exponent)] * others
+    else:
+        tables = [curves[0]] * first_specular + [curves[1]] * others
+    gated = (1 << len(pointed)) - 1 if curves is None else 0
+    return shade_state(formats, ambient_colour(lights, material), coefficients, tables, gated)
+
+
+def ambient_colour(lights: Sequence[Light], material: Material) -> np.ndarray:
+    """(3,) float64 what the surface reflects of ambient light."""
+    arriving = (np.asarray(light.colour) for light in lights if isinstance(light, AmbientLight))
+    return sum(arriving, np.zeros(3)) * (np.asarray(material.ambient) * material.colour)
+
+
+def light_colours(
+    pointed: Sequence[Light], material: Material, strength: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Two (lights, 3) float64: what the surface reflects of each, diffusely and specularly."""
+    arriving = np.array([light.colour for light in pointed]) * strength[:, None]
+    return arriving * (np.asarray(material.diffuse) * material.colour), arriving * np.asarray(
+        material.specular
+    )
+
+
+def cosines(
+    projected: Projected,
+    lights: Sequence[Light],
+    material: Material,
+    points: np.ndarray,
+    strength: np.ndarray | None = None,
+    x_shading: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(lights, n, points) diffuse and specular cosines with the light's fall, and (lights,) strengths."""
-    shape = (len(lights), len(projected), len(points))
+    """
+    What diffuse and specular channels carry at points of triangles.
+
+    Parameters
+    ----------
+    projected : Projected
+    lights : sequence of lights
+      Without ambient ones.
+    material : Material
+    points : (k, 3) float, the same for every triangle, or (n, k, 3) float
+      Barycentric coordinates.
+    strength : (lights,) float, optional
+      Largest intensity of each light; by default that at these points.
+    x_shading : bool
+      Normals of the edges' middles from :func:`quadshade.shading.sample.middle_normals`.
+
+    Returns
+    -------
+    diffuse, specular : (lights, n, k) float64
+      Cosines with the light's fall.
+    strength : (lights,) float64
+    """
+    shape = (len(lights), len(projected), points.shape[-2])
     diffuse, specular, intensity = np.empty(shape), np.empty(shape), np.empty(shape)
     everything = np.arange(len(projected))
     for start in range(0, len(projected), CHUNK):
         rows = slice(start, start + CHUNK)
         middle = middle_normals(projected.normal[rows]) if x_shading else None
-        point, normal, _, to_viewer = surface(projected, everything[rows], points, middle)
+        places = points if points.ndim == 2 else points[rows]
+        point, normal, _, to_viewer = surface(projected, everything[rows], places, middle)
         toward = dot(normal, to_viewer)
         for index, light in enumerate(lights):
             to_light, arriving = light.reach(point)
@@ -221,8 +289,9 @@ def _cosines(
             diffuse[index, rows] = facing.reshape(part)
             specular[index, rows] = cosine.reshape(part)
             intensity[index, rows] = np.broadcast_to(arriving, facing.shape).reshape(part)
-    strength = intensity.max(axis=(1, 2), initial=np.finfo(np.float64).tiny)
-    share = intensity / strength[:, None, None]
+    if strength is None:
+        strength = intensity.max(axis=(1, 2), initial=np.finfo(np.float64).tiny)
+    share = np.minimum(intensity / strength[:, None, None], 1)
     # Interpolated normals are unit length up to rounding.
     diffuse, specular = np.clip(diffuse, -1, 1) * share, np.clip(specular, -1, 1)
     return diffuse, specular * share ** (1 / material.exponent), strength

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Diffuse and specular cosines while orders are chosen: the power is taken at the pixel (docs/shade.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+
+import numpy as np
+
+from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
+from quadshade.adapt.fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
+from quadshade.adapt.places import Places
+from quadshade.adapt.shader import MARGIN, PLANES, Choice, Shader
+from quadshade.formats import Formats
+from quadshade.scene.project import Projected
+from quadshade.shading.lights import Light, default_lights
+from quadshade.shading.material import Material
+from quadshade.shading.sample import CHUNK
+from quadshade.shading.specular import ambient_colour, cosines, light_colours, specular_lights, specular_state
+
+MOST_OPTIONS = 81
+"""All combinations of orders are tried up to so many; else those that treat all channels alike."""
+LEVELS = 11
+"""Errors, each half of the one before, down to which channels are treated alike."""
+TABLE_ERROR = 0.04
+"""Of the output for a light of 1: the power table's and the lane's rounding (docs/shade.md)."""
+
+
+class CosineShader(Shader):
+    """For each light a diffuse and a specular cosine; their errors meet in the colour."""
+
+    shading = "quadratic-specular"
+
+    def __init__(
+        self,
+        lights: Sequence[Light] | None,
+        material: Material | None,
+        formats: Formats,
+        projected: Projected,
+        measure: str = "max",
+    ) -> None:
+        material = Material() if material is None else material
+        lights = default_lights(projected.axes) if lights is None else lights
+        self.pointed = specular_lights(projected, lights, material)
+        count, first = len(self.pointed), formats.num_channels - formats.num_specular
+        place = [*range(count), *range(first, first + count)]
+        super().__init__(lights, material, formats, projected, measure, place)
+        self.names = tuple(f"{kind}{index}" for kind in "ds" for index in range(count))
+        self.strength = cosines(projected, self.pointed, self.material, POINTS)[2]
+        self.state = specular_state(formats, self.lights, self.material, self.strength)
+        # Output units that a channel's full value adds, (lights, 3), and the exponent.
+        colours = light_colours(self.pointed, self.material, self.strength)
+        self.diffuse, self.specular = (self.full * colour for colour in colours)
+        self.ambient = self.full * ambient_colour(self.lights, self.material)
+        self.exponent = self.material.exponent
+        all_orders = len(self.orders) ** (2 * count)
+        combinations = product(range(len(self.orders)), repeat=2 * count)
+        self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
+
+    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+        """Adds ``options`` (n, k, channels), ``errors`` (n, k) and ``halves`` (n, 3, 2, k) of them."""
+        everywhere = np.ones((1, len(POINTS)), dtype=bool)
+        found = self._chunks(projected, lambda part, _: self._grid(part, everywhere))
+        if len(places.rows):
+            few = self._chunks(
+                projected.ordered(places.rows),
+                lambda part, rows: self._fitted(part, places.points[rows], places.used[rows])[0],
+            )
+            for key, values in few.items():
+                found[key][places.rows] = values
+        half, options = found.pop("half"), found["options"]
+        found["halves"] = np.zeros((*half.shape[:3], options.shape[1]))
+        for channel in range(len(self.place)):
+            orders = options[:, None, None, :, channel]
+            found["halves"] += np.take_along_axis(half[..., channel, :], orders, axis=-1)
+        bounds = self.rounding_bounds(projected, found["samples"][:, :, -1])
+        diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
+        bounds[:, : len(diffuse)] *= diffuse
+        bounds[:, len(diffuse) :] *= specular * found.pop("steepest")
+        found["bound"] = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
+        return found
+
+    def _chunks(
+        self, projected: Projected, work: Callable[[Projected, slice], dict[str, np.ndarray]]
+    ) -> dict[str, np.ndarray]:
+        """What a function finds out for some triangles at a time."""
+        parts = []
+        for start in range(0, max(len(projected), 1), CHUNK):
+            rows = slice(start, start + CHUNK)
+            parts.append(work(projected.ordered(np.arange(len(projected))[rows]), rows))
+        return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+
+    def _grid(self, projected: Projected, everywhere: np.ndarray) -> dict[str, np.ndarray]:
+        """What :meth:`_fitted` finds on the grid, what halves would leave, and the steepest power."""
+        found, channels = self._fitted(projected, POINTS, everywhere, NODES)
+        margin = MARGIN if self.measure == "max" else 1.0
+        half = np.empty((len(projected), 3, 2, len(self.place), len(self.orders)))
+        for edge, sides in enumerate(HALVES):
+            for side, points in enumerate(sides):
+                for kind, channel in enumerate(channels):
+                    part = channel.at(points)
+                    own = slice(kind * len(self.pointed), (kind + 1) * len(self.pointed))
+                    for index, order in enumerate(self.orders):
+                        shape = shape_functions(POINTS[points], order)[None]
+                        samples = weighted_fit(shape, part.value, part.weight)
+                        half[:, edge, side, own, index] = part.fit(samples, shape).by(self.measure)
+        slope = channels[1].slope.max(axis=-1)
+        return found | {"errors": found["errors"] * margin, "half": half * margin, "steepest": slope}
+
+    def _fitted(
+        self, projected: Projected, points: np.ndarray, used: np.ndarray, nodes: list | None = None
+    ) -> tuple[dict[str, np.ndarray], tuple[Diffuse, Specular]]:
+        """
+        The best polynomials at points of triangles, and how far colours are off with each option.
+
+        Parameters
+        ----------
+        projected : Projected
+        points : (p, 3) or (n, p, 3) float
+        used : (1 or n, p) bool
+        nodes : list, optional
+          Points of the grid that a polynomial of each order may go through.
+        """
+        facing, towards, _ = cosines(projected, self.pointed, self.material, points, self.strength)
+        facing, towards = facing.transpose(1, 0, 2), towards.transpose(1, 0, 2)
+        norm = np.max if self.measure == "max" else np.linalg.norm
+        scales = [norm(colours, axis=1)[:, None] for colours in (self.diffuse, self.specular)]
+        shine = np.clip(towards, 0, 1) ** self.exponent
+        lit = (facing > 0) & (towards > 0)
+        slope = lit * self.exponent * np.clip(towards, 0, 1) ** (self.exponent - 1)
+        counts = np.broadcast_to(used[:, None], facing.shape)
+        channels = (
+            Diffuse(facing, counts * np.where(facing > 0, 1, DARK), counts, scales[0], shine * scales[1]),
+            Specular(
+                towards, counts * (slope / self.exponent + FAINT), counts, scales[1], lit, self.exponent
+            ),
+        )
+        shapes = [
+            shape_functions(points, order).reshape(-1, points.shape[-2], PLANES[order])
+            for order in self.orders
+        ]
+        fits = []
+        for channel in channels:
+            fits.append([])
+            for order, shape in zip(self.orders, shapes, strict=True):
+                through = None if nodes is None else channel.value[..., nodes[order]]
+                fits[-1].append(channel.best(shape, through, self.measure))
+        samples = np.concatenate([np.stack([one.samples for one in part], axis=2) for part in fits], axis=1)
+        own = np.concatenate([np.stack([one.largest for one in part], axis=2) for part in fits], axis=1)
+        options = self._options(own)
+        drawn = [
+            np.stack(
+                [
+                    one.samples[..., : shape.shape[-1]] @ np.swapaxes(shape, 1, 2)
+                    for one, shape in zip(part, shapes, strict=True)
+                ],
+                axis=2,
+            )
+            for part in fits
+        ]
+        errors = self._joint_errors(drawn, options, self.shade(projected, points), used)
+        found = {"samples": samples * self.full, "options": options, "errors": errors}
+        return found, channels
+
+    def _options(self, errors: np.ndarray) -> np.ndarray:
+        """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""
+        count, channels = errors.shape[:2]
+        if self.combinations is not None:
+            options = np.broadcast_to(self.combinations, (count, *self.combinations.shape))
+        else:
+            levels = self.full * 0.5 ** np.arange(LEVELS)
+            good = errors[:, None] <= levels[:, None, None]
+            good[..., -1] = True
+            options = good.argmax(axis=-1)
+        return self.free_orders(options.reshape(-1, channels)).reshape(count, -1, channels)
+
+    def _joint_errors(
+        self, drawn: list[np.ndarray], options: np.ndarray, true: np.ndarray, used: np.ndarray
+    ) -> np.ndarray:
+        """(n, k) errors of colours; ``drawn`` are both kinds' cosines (n, lights, orders, p)."""
+        facing = np.maximum(drawn[0], 0)
+        shine = np.clip(drawn[1], 0, 1) ** self.exponent
+        lights, errors = len(self.pointed), np.empty(options.shape[:2])
+        counts = np.broadcast_to(used, (len(true), used.shape[1])).sum(axis=1)
+
+        def pick(values: np.ndarray, orders: np.ndarray) -> np.ndarray:
+            return np.take_along_axis(values, orders[:, :, None, None], axis=2)[:, :, 0]
+
+        for option in range(options.shape[1]):
+            diffuse = pick(facing, options[:, option, :lights])
+            specular = pick(shine, options[:, option, lights:]) * (diffuse > 0)
+            colour = self.ambient[:, None] + np.einsum("nlp,lc->ncp", diffuse, self.diffuse)
+            colour += np.einsum("nlp,lc->ncp", specular, self.specular)
+            rest = (np.clip(colour, 0, self.full) - true) * used[:, None]
+            if self.measure == "max":
+                errors[:, option] = abs(rest).max(axis=(1, 2))
+            else:
+                errors[:, option] = (rest**2).sum(axis=(1, 2)) / counts
+        return errors
+
+    def _choose(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
+        """The cheapest of (..., k) options of (..., k, channels) orders."""
+        words = self.words(options)
+        if self.measure == "max":
+            # Of as many words the better; where none is good, the best.
+            good = errors <= goal[..., None]
+            score = np.where(good, words + errors * 1e-6, 1e6 * (1 + errors))
+        else:
+            score = errors + goal[..., None] * words
+        best = score.argmin(axis=-1)[..., None]
+        words = np.broadcast_to(words, errors.shape)
+        orders = np.take_along_axis(options, best[..., None], axis=-2)[..., 0, :]
+        left, spent = (np.take_along_axis(values, best, axis=-1)[..., 0] for values in (errors, words))
+        return Choice(orders, left, spent)
+
+    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose`."""
+        return self._choose(found["errors"], found["options"], goal)
+
+    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose_halves`."""
+        halves = found["halves"]
+        options = np.broadcast_to(found["options"][:, None, None], (*halves.shape, len(self.place)))
+        return self._choose(halves, options, np.broadcast_to(goal[:, None, None], halves.shape[:3]))

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mesh is shaded with while orders are chosen: colours as polynomials; what words cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from quadshade.adapt.fit import ORDERS, POINTS, fit, fit_at, split_errors
+from quadshade.adapt.places import Places, pixel_places
+from quadshade.errors import QuadshadeError
+from quadshade.formats import CONSTANT, LINEAR, PLANES_OF_ORDER, Formats
+from quadshade.scene.project import Projected
+from quadshade.setup.shade_state import ShadeState
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.shading.lights import Light, default_lights
+from quadshade.shading.material import Material
+from quadshade.shading.sample import CHANNELS, CHUNK, full_scale, reflected
+from quadshade.triangles import ScreenTriangles
+
+MARGIN = 1.08
+"""The largest difference anywhere on a triangle, over that at the grid's points: measured, not a bound."""
+PLANES = np.array(PLANES_OF_ORDER)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """
+    A mesh, divided or not, and how well each order would do on every triangle.
+
+    Attributes
+    ----------
+    projected : Projected
+    root : (n,) int64
+      Triangle of the undivided mesh.
+    found : dict of str to (n, ...) arrays
+      What is found out for each triangle by itself, once: ``pixels``, float64, their number; ``bound``,
+      what rounding the words of the highest order costs at most, from the set-up; ``samples``
+      (n, channels, orders, 6), the best polynomials; and what the shader's methods take.
+    """
+
+    projected: Projected
+    root: np.ndarray
+    found: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """
+    Orders for triangles, or for halves of them, over any leading axes.
+
+    Attributes
+    ----------
+    orders : (..., channels) int64
+    error : (...) float64
+      Largest difference (``max``) or mean square, summed over the colours (``rms``).
+    words : (...) float64
+    """
+
+    orders: np.ndarray
+    error: np.ndarray
+    words: np.ndarray
+
+
+class Shader:
+    """Scene, light, core and error measure: what is common to colours and cosines."""
+
+    shading = ""
+    names: tuple[str, ...] = ()
+    state: ShadeState | None = None
+
+    def __init__(
+        self,
+        lights: Sequence[Light] | None,
+        material: Material | None,
+        formats: Formats | None,
+        projected: Projected,
+        measure: str,
+        place: Sequence[int],
+    ) -> None:
+        self.measure = measure
+        self.formats = Formats() if formats is None else formats
+        self.material = Material() if material is None else material
+        self.lights = default_lights(projected.axes) if lights is None else lights
+        self.place = np.array(place)
+        self.full = 2.0**self.formats.value_bits - 1
+        self.orders = ORDERS[: self.formats.max_order + 1]
+        lanes = self.formats.plane_beats * self.formats.stream_lanes
+        share = np.array([lanes / len(group) for group in self.formats.channel_groups for _ in group])
+        self.plane_words = share[self.place]
+        beats = self.formats.section_beats("edge") + self.formats.section_beats("second")
+        self.packet_words = beats * self.formats.stream_lanes
+        unused = np.delete(share[: self.formats.num_channels], self.place)
+        self.packet_words += PLANES[CONSTANT] * unused.sum()
+        if self.formats.with_depth:
+            self.packet_words += PLANES[LINEAR] * share[-1]
+
+    def surface(self, projected: Projected, root: np.ndarray | None = None) -> Surface:
+        """A mesh, shaded and fitted; ``root`` is each triangle's own index where it is not given."""
+        places = pixel_places(projected, self.formats)
+        found = self.assess(projected, places) | {"pixels": places.pixels}
+        for name in ("errors", "bound"):
+            found[name][places.pixels == 0] = 0
+        return Surface(projected, np.arange(len(projected)) if root is None else root, found)
+
+    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+        """``samples``, ``bound`` and what :meth:`choose` and :meth:`choose_halves` take."""
+        raise NotImplementedError
+
+    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """
+        The cheapest orders.
+
+        Parameters
+        ----------
+        found : dict
+          Of a surface.
+        goal : (n,) float64
+          The largest difference (``max``), or the price of a word over a triangle's pixels (``rms``).
+        """
+        raise NotImplementedError
+
+    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """As :meth:`choose` for (n, 3, 2) halves, if edge 0-1, 1-2 or 2-0 is split."""
+        raise NotImplementedError
+
+    def shade(self, projected: Projected, points: np.ndarray) -> np.ndarray:
+        """(n, 3, p) float64 true shading at (p, 3) or (n, p, 3) points."""
+        values = np.empty((len(projected), len(CHANNELS), points.shape[-2]))
+        for start in range(0, len(projected), CHUNK):
+            rows = np.arange(start, min(start + CHUNK, len(projected)))
+            places = points if points.ndim == 2 else points[rows]
+            light = reflected(projected, rows, places, self.lights, self.material)
+            values[rows] = full_scale(light, self.formats).transpose(0, 2, 1)
+        return values
+
+    def screen_triangles(
+        self, projected: Projected, samples: np.ndarray, orders: np.ndarray
+    ) -> ScreenTriangles:
+        """What the set-up takes, from (n, channels, 6) samples and (n, channels) orders."""
+        count, channels = len(projected), self.formats.num_channels
+        all_samples, all_orders = np.zeros((count, channels, 6)), np.full((count, channels), CONSTANT)
+        all_samples[:, self.place], all_orders[:, self.place] = samples, orders
+        names = [f"unused{index}" for index in range(channels)]
+        for place, name in zip(self.place, self.names, strict=True):
+            names[place] = name
+        depth = projected.depth if self.formats.with_depth else None
+        return ScreenTriangles(
+            projected.width, projected.height, projected.vertices, all_samples, all_orders, depth,
+            tuple(names), self.state,
+        )  # fmt: skip
+
+    def free_orders(self, orders: np.ndarray) -> np.ndarray:
+        """(n, channels) orders raised to what the channel's group sends anyway (streams of 64, 128 bits)."""
+        carried = np.full((len(orders), self.formats.carried_channels), CONSTANT)
+        carried[:, self.place] = orders
+        if self.formats.with_depth:
+            carried[:, -1] = LINEAR
+        for group in self.formats.channel_groups:
+            carried[:, list(group)] = carried[:, list(group)].max(axis=1, keepdims=True)
+        return np.minimum(carried[:, self.place], self.formats.max_order)
+
+    def words(self, orders: np.ndarray) -> np.ndarray:
+        """(...) float64 words of packets with a middle vertex, for (..., channels) orders."""
+        return self.packet_words + PLANES[orders] @ self.plane_words
+
+    def rounding_bounds(self, projected: Projected, samples: np.ndarray) -> np.ndarray:
+        """(n, channels) float64 the set-up's own bound of what rounding the highest order's words costs."""
+        top = np.full(samples.shape[:2], self.orders[-1])
+        primitives = setup_triangles(self.screen_triangles(projected, samples, top), self.formats)
+        bounds = np.zeros(top.shape)
+        np.maximum.at(bounds, primitives.triangle, primitives.bound[:, self.place])
+        return bounds
+
+
+class ColourShader(Shader):
+    """Red, green and blue, each of an order of its own: channels need not know of each other."""
+
+    shading = "quadratic"
+    names = CHANNELS
+
+    def __init__(
+        self,
+        lights: Sequence[Light] | None,
+        material: Material | None,
+        formats: Formats | None,
+        projected: Projected,
+        measure: str = "max",
+    ) -> None:
+        got = (Formats() if formats is None else formats).num_channels
+        if got < len(CHANNELS) or (got > len(CHANNELS) and not formats.with_shade):
+            raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
+        super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
+
+    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+        """Adds ``errors`` (n, 3, orders) and ``halves`` (n, 3, 2, 3, orders) by the measure in use."""
+        values = self.shade(projected, POINTS)
+        fits = [fit(values, order, self.full, self.measure) for order in self.orders]
+        samples = np.stack([one.samples for one in fits], axis=2)
+        bound = self.rounding_bounds(projected, fits[-1].samples).max(axis=1, initial=0)
+        halves = np.stack([split_errors(values, order, self.measure) for order in self.orders], axis=-1)
+        largest = self.measure == "max"
+        errors = np.stack([one.largest * MARGIN if largest else one.square for one in fits], axis=2)
+        few = projected.ordered(places.rows)
+        values = self.shade(few, places.points)
+        for index, order in enumerate(self.orders):
+            one = fit_at(places.points, places.used, values, order, self.full, self.measure)
+            samples[places.rows, :, index] = one.samples
+            errors[places.rows, :, index] = one.largest if largest else one.square
+        return {
+            "samples": samples,
+            "bound": bound,
+            "errors": errors,
+            "halves": halves * (MARGIN if largest else 1.0),
+        }
+
+    def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
+        if self.measure == "max":
+            good = errors <= goal[..., None, None]
+            good[..., -1] = True
+            orders = good.argmax(axis=-1)
+        else:
+            planes = PLANES[list(self.orders)] * self.plane_words[:, None]
+            orders = (errors + goal[..., None, None] * planes).argmin(axis=-1)
+        return self._of(orders, errors)
+
+    def _of(self, orders: np.ndarray, errors: np.ndarray) -> Choice:
+        left = np.take_along_axis(errors, orders[..., None], axis=-1)[..., 0]
+        left = left.max(axis=-1) if self.measure == "max" else left.sum(axis=-1)
+        return Choice(orders, left, self.words(orders))
+
+    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose`."""
+        errors = found["errors"]
+        return self._of(self.free_orders(self._choose(errors, goal).orders), errors)
+
+    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose_halves`."""
+        return self._choose(found["halves"], goal[:, None, None])
+
+
+def chosen_samples(found: dict[str, np.ndarray], orders: np.ndarray) -> np.ndarray:
+    """(n, channels, 6) samples of the chosen (n, channels) orders."""
+    return np.take_along_axis(found["samples"], orders[..., None, None], axis=2)[:, :, 0]

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Adaptive pictures of cosines: the power at the pixel among the choices; small triangles at their pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from quadshade.adapt import CosineShader, adapt, error_figures, pixel_errors, refine, stream_bytes
+from quadshade.adapt.figures import state_bytes
+from quadshade.adapt.fit import POINTS, fit_at, shape_functions, weighted_fit
+from quadshade.adapt.places import FEW, pixel_places
+from quadshade.adapt.shader import ColourShader
+from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
+from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
+from quadshade.scene import Projected, fit_camera, load_scene, project
+from quadshade.scene.mesh import Mesh
+from quadshade.shading import (
+    AmbientLight,
+    DirectionalLight,
+    Material,
+    PointLight,
+    sample,
+    sample_specular,
+    specular_formats,
+)
+from quadshade.shading.specular import UnsuitedError
+from teapot import teapot
+
+SHINY = Material(exponent=50)
+SPECULAR = "quadratic-specular"
+
+
+def looked_at(mesh: Mesh, size: int = 192) -> Projected:
+    return project(mesh, fit_camera(mesh), size, size)
+
+
+def figures_of(adapted, whole: Projected, lights=None, material: Material = SHINY, allowed: float = np.inf):
+    """The golden model's pixels against Phong shading of the undivided mesh."""
+    pixels = draw(adapted.triangles, adapted.formats).pixels
+    return error_figures(
+        pixel_errors(pixels, adapted.root, whole, lights, material, adapted.formats), allowed
+    )
+
+
+@pytest.mark.parametrize("scene", ["sphere:168", "torus:288", "teapot"])
+@pytest.mark.parametrize("allowed", [8.0, 2.0, 0.8])
+def test_the_cheaper_channels_are_taken_and_the_error_kept(scene: str, allowed: float) -> None:
+    whole = looked_at(teapot() if scene == "teapot" else load_scene(scene))
+    both = {}
+    for shading in ("quadratic", SPECULAR):
+        both[shading] = adapt(whole, None, SHINY, max_error=allowed, shading=shading)
+        assert figures_of(both[shading], whole, allowed=allowed).exceeding == 0
+    auto = adapt(whole, None, SHINY, max_error=allowed, shading="auto")
+    sizes = {name: stream_bytes(one.triangles, one.formats) for name, one in both.items()}
+    assert auto.shading == min(sizes, key=sizes.get)
+    assert stream_bytes(auto.triangles, auto.formats) == min(sizes.values())
+    assert auto.rival["bytes"] == max(sizes.values()) and auto.rival["shading"] != auto.shading
+    assert auto.mix()["rival"] == auto.rival
+    if allowed < 1:
+        assert sizes[SPECULAR] < 0.7 * sizes["quadratic"]
+
+
+def test_bytes_are_those_that_are_sent() -> None:
+    whole = looked_at(load_scene("torus:288"))
+    adapted = adapt(whole, None, SHINY, max_error=2.0, shading=SPECULAR)
+    words = draw(adapted.triangles, adapted.formats).stats["words"]
+    state = state_bytes(adapted.triangles)
+    assert state == 4 * len(adapted.triangles.shade.writes()) > 4 * 448
+    assert stream_bytes(adapted.triangles, adapted.formats) == 4 * words + state
+    mix = adapted.mix()
+    assert mix["state_bytes"] == state
+    assert sum(mix["specular_by_order"].values()) == mix["triangles"]
+    # Most triangles are away from the highlight.
+    assert mix["specular_by_order"]["constant"] > mix["specular_by_order"]["quadratic"] > 0
+
+
+@pytest.mark.parametrize("scene", ["sphere:168", "torus:288", "teapot"])
+@pytest.mark.parametrize("shading", ["linear-specular", SPECULAR])
+@pytest.mark.parametrize("levels", [0, 1])
+def test_dominates_fixed_cosines(scene: str, shading: str, levels: int) -> None:
+    whole = parts = looked_at(teapot() if scene == "teapot" else load_scene(scene))
+    root = np.arange(len(whole))
+    for _ in range(levels):
+        parts, parent = refine(parts, np.ones(len(parts), dtype=bool))
+        root = root[parent]
+    core = specular_formats({}, whole, None, SHINY)
+    fixed = sample_specular(parts, shading, None, SHINY, core)
+    size = stream_bytes(fixed, core)
+    theirs = error_figures(pixel_errors(draw(fixed, core).pixels, root, whole, None, SHINY, core))
+    ours = adapt(whole, None, SHINY, max_error=theirs.largest, shading="auto")
+    assert figures_of(ours, whole).largest <= theirs.largest
+    assert stream_bytes(ours.triangles, ours.formats) < size
+    for measure, name in (("max", "largest"), ("rms", "rms")):
+        ours = adapt(whole, None, SHINY, budget=size, measure=measure, shading="auto")
+        assert stream_bytes(ours.triangles, ours.formats) <= size
+        assert getattr(figures_of(ours, whole), name) < getattr(theirs, name)
+
+
+SUNS = [DirectionalLight((x, 1, 1), (0.3, 0.25, 0.2)) for x in (-1, 0.3, 2)]
+
+
+@pytest.mark.parametrize(
+    "lights",
+    [
+        [PointLight((3.0, 3.0, 4.0), (0.6, 0.6, 0.6)), PointLight((-3.0, 1.0, 4.0), (0.4, 0.2, 0.1))],
+        [PointLight((1.2, 1.6, 1.6), (1, 1, 1), (0.5, 0, 0.1)), AmbientLight((0.5, 1, 0.5))],
+        SUNS,
+    ],
+    ids=["two lights", "falls off", "three lights"],
+)
+def test_several_lights_and_lights_that_fall_off(lights) -> None:
+    whole = looked_at(load_scene("sphere:374"))
+    adapted = adapt(whole, lights, SHINY, max_error=1.5, shading=SPECULAR)
+    assert figures_of(adapted, whole, lights, allowed=1.5).exceeding == 0
+    assert len(np.unique(adapted.triangles.orders)) == 3
+    # Parts of triangles are lit by the same state as wholes.
+    state = CosineShader(lights, SHINY, adapted.formats, whole).state
+    assert (adapted.triangles.shade.writes() == state.writes()).all()
+
+
+def test_many_lights_are_treated_alike_and_few_combined() -> None:
+    whole = looked_at(load_scene("sphere:168"), 96)
+    for lights, options in ((SUNS[:1], 9), (SUNS[:2], 81), (SUNS, 11)):
+        core = specular_formats({}, whole, lights, SHINY)
+        shader = CosineShader(lights, SHINY, core, whole)
+        found = shader.surface(whole).found
+        assert found["options"].shape == (len(whole), options, 2 * len(lights))
+        assert (found["errors"][:, -1] <= found["errors"][:, 0] + 1e-9).all()
+
+
+def test_unused_channels_and_wide_streams() -> None:
+    whole = looked_at(load_scene("sphere:168"), 128)
+    for generics in ({"num_channels": 3}, {"stream_width": 128}, {"max_order": LINEAR}):
+        core = specular_formats(generics, whole, None, SHINY)
+        adapted = adapt(whole, None, SHINY, max_error=5.0, shading=SPECULAR, specular=core)
+        assert figures_of(adapted, whole, allowed=5.0).exceeding == 0
+        assert adapted.triangles.orders.shape[1] == core.num_channels
+        assert adapted.triangles.orders.max() <= core.max_order
+    # On a core with three channels colours are a choice too; the state then lets them pass.
+    core = specular_formats({"num_channels": 3}, whole, None, SHINY)
+    adapted = adapt(whole, None, SHINY, core, max_error=5.0)
+    assert adapted.triangles.shade is None
+    assert figures_of(adapted, whole, allowed=5.0).exceeding == 0
+
+
+def test_a_budget_takes_what_errs_less() -> None:
+    whole = looked_at(load_scene("torus:288"))
+    for measure, name in (("max", "largest"), ("rms", "rms")):
+        errors = {}
+        for shading in ("quadratic", SPECULAR, "auto"):
+            one = adapt(whole, None, SHINY, budget=14_500, measure=measure, shading=shading)
+            errors[shading] = getattr(figures_of(one, whole), name)
+        assert errors["auto"] == min(errors.values()) == errors[SPECULAR] < 0.3 * errors["quadratic"]
+    # Where the state alone is too much, colours are left.
+    least = stream_bytes(sample(whole, "flat"), Formats())
+    one = adapt(whole, None, SHINY, budget=least, shading="auto")
+    assert one.shading == "quadratic"
+    assert "the budget is" in one.rival["reason"]
+
+
+def test_scenes_without_cosines() -> None:
+    whole = looked_at(load_scene("sphere:168"), 64)
+    dull = Material(reflectance=lambda point, normal, to_light, to_viewer: 0 * normal + 0.5)
+    with pytest.raises(UnsuitedError, match="reflectance"):
+        adapt(whole, None, dull, max_error=4.0, shading=SPECULAR)
+    one = adapt(whole, None, dull, max_error=4.0, shading="auto")
+    assert one.shading == "quadratic" and "reflectance" in one.rival["reason"]
+    with pytest.raises(QuadshadeError, match="shading is 'flat'"):
+        adapt(whole, None, dull, max_error=4.0, shading="flat")
+
+
+def test_small_triangles_are_known_by_their_pixels() -> None:
+    whole = looked_at(load_scene("sphere:690"), 96)
+    formats = Formats()
+    places = pixel_places(whole, formats)
+    pixels = draw(sample(whole, "flat"), formats).pixels
+    have = np.bincount(pixels.triangle, minlength=len(whole))
+    assert (places.pixels == have).mean() > 0.9
+    assert (places.rows == np.flatnonzero((have > 0) & (have <= FEW))).all()
+    assert (places.used.sum(axis=1) == have[places.rows]).all()
+    assert places.points[places.used].min() >= 0
+    # What an order's words can meet exactly, they do: a pixel is one place, three are a plane's.
+    shader = ColourShader(None, SHINY, formats, whole)
+    errors = np.full(len(whole), np.nan)
+    errors[places.rows] = shader.surface(whole).found["errors"][places.rows][:, :, CONSTANT].max(axis=1)
+    assert errors[have == 1].max() < 1e-6
+    # On a finer mesh many triangles have no pixel at all; what is asked for is kept all the same.
+    tiny = looked_at(load_scene("sphere:690"), 24)
+    for shading in ("quadratic", SPECULAR):
+        adapted = adapt(tiny, None, SHINY, max_error=0.6, shading=shading)
+        assert figures_of(adapted, tiny, allowed=0.6).exceeding == 0
+        assert adapted.estimated <= 0.6 + 1e-9
+
+
+@pytest.mark.parametrize("order", [CONSTANT, LINEAR, QUADRATIC])
+def test_weighted_fits_reproduce_what_their_order_can(order: int) -> None:
+    rng = np.random.default_rng(order)
+    places = np.broadcast_to(POINTS, (7, *POINTS.shape))
+    samples = rng.uniform(60, 200, (7, 3, (1, 3, 6)[order]))
+    values = samples @ np.swapaxes(shape_functions(places, order), 1, 2)
+    found = weighted_fit(shape_functions(places, order), values, rng.uniform(0.1, 1, values.shape))
+    np.testing.assert_allclose(found, samples, atol=1e-5)
+    used = np.ones(places.shape[:2], dtype=bool)
+    for measure in ("max", "rms"):
+        assert fit_at(places, used, values, order, 255.0, measure).largest.max() < 1e-5
+
+
+def test_equal_extremes_are_less_than_the_mean_squares() -> None:
+    rng = np.random.default_rng(3)
+    values = np.clip(rng.uniform(0, 255, (40, 3, 1)) + 90 * (POINTS @ rng.normal(size=3)) ** 3, 0, 255)
+    places, used = np.broadcast_to(POINTS, (40, *POINTS.shape)), np.ones((40, len(POINTS)), dtype=bool)
+    for order in (LINEAR, QUADRATIC):
+        nearest, equal = (fit_at(places, used, values, order, 255.0, measure) for measure in ("rms", "max"))
+        assert (equal.largest <= nearest.largest + 1e-9).all()
+        assert equal.largest.mean() < 0.95 * nearest.largest.mean()
