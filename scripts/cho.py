@@ -20,6 +20,7 @@ import click
 import numpy as np
 from rich.progress import track
 
+from cho_shares import measured_shares, shares_text
 from quadshade.adapt import highlight_subdivision, potentially_highlighted, regular_subdivision
 from quadshade.adapt.highlight import with_neighbours
 from quadshade.errors import QuadshadeError
@@ -46,8 +47,8 @@ DIFFERENCE = 0.3
 COUNTS = ("front", "tested", "highlighted", "near", "subdivided", "parts", "per_pixel", "final")
 STAGES = ("prepare", "draw")
 
-Prepared = tuple[Projected, np.ndarray | None, dict[str, int]]
-"""Triangles to draw, which of them by Phong's rule, and counts."""
+Prepared = tuple[Projected, np.ndarray, np.ndarray | None, dict[str, int]]
+"""Triangles to draw, the mesh's triangle of each, which of them by Phong's rule, and counts."""
 
 
 def four_lights(mesh: Mesh) -> tuple[Light, ...]:
@@ -66,18 +67,19 @@ def directions(views: int) -> np.ndarray:
 
 
 def _gouraud(projected: Projected, lights: tuple[Light, ...], material: Material) -> Prepared:
-    return projected, None, {}
+    return projected, np.arange(len(projected)), None, {}
 
 
 def _phong(projected: Projected, lights: tuple[Light, ...], material: Material) -> Prepared:
-    return projected, np.ones(len(projected), dtype=bool), {"per_pixel": len(projected)}
+    everywhere = np.ones(len(projected), dtype=bool)
+    return projected, np.arange(len(projected)), everywhere, {"per_pixel": len(projected)}
 
 
 def _highlighted_by_phong(projected: Projected, lights: tuple[Light, ...], material: Material) -> Prepared:
     highlighted = potentially_highlighted(projected, lights).any(axis=0)
     near = with_neighbours(projected.vertices, highlighted)
     counts = {"highlighted": highlighted.sum(), "near": near.sum(), "per_pixel": near.sum()}
-    return projected, near, {"tested": len(projected), **counts}
+    return projected, np.arange(len(projected)), near, {"tested": len(projected), **counts}
 
 
 def _divided(divide: Callable[..., object]) -> Callable[..., Prepared]:
@@ -90,7 +92,7 @@ def _divided(divide: Callable[..., object]) -> Callable[..., Prepared]:
             "subdivided": divided,
             "parts": len(made.projected) - len(projected) + divided,
         }
-        return made.projected, None, counts
+        return made.projected, made.root, None, counts
 
     return prepare
 
@@ -113,16 +115,17 @@ def one_view(
     projected: Projected, lights: tuple[Light, ...], material: Material, repeats: int
 ) -> tuple[dict[str, dict], dict[str, Picture]]:
     """
-    All schemes of one view: counts and least seconds of each stage, and the pictures.
+    All schemes of one view: counts and least seconds of each stage, and pictures with the mesh's triangles.
 
     The schemes take turns, so that what else the machine does slows all of them down.
     """
     rows = {name: dict.fromkeys(STAGES, np.inf) for name in SCHEMES}
+    roots = {}
     pictures = {name: Picture.empty(projected.width, projected.height) for name in SCHEMES}
     for _ in range(repeats):
         for name, prepare in SCHEMES.items():
             start = time.process_time()
-            surface, per_pixel, counts = prepare(projected, lights, material)
+            surface, roots[name], per_pixel, counts = prepare(projected, lights, material)
             between = time.process_time()
             draw_software(surface, lights, material, per_pixel, FORMATS, pictures[name])
             spent = between - start, time.process_time() - between
@@ -133,13 +136,17 @@ def one_view(
     near = rows["Gouraud + Phong"]["near"]
     for name in ("Highlight subdivision", "Regular subdivision"):
         rows[name]["near"] = near
+    for name, picture in pictures.items():
+        picture.triangle[:] = np.where(picture.triangle < 0, -1, roots[name][picture.triangle])
     return rows, pictures
 
 
-def squares(picture: Picture, phong: Picture) -> np.ndarray:
-    """Squared differences over pixels that both pictures have, all channels, in output units."""
+def squares(picture: Picture, phong: Picture) -> tuple[np.ndarray, np.ndarray]:
+    """Squared differences (pixels, 3) over pixels of the same and of another triangle of the mesh."""
     both = (picture.triangle >= 0) & (phong.triangle >= 0)
-    return ((picture.value - phong.value)[both] ** 2).ravel()
+    same = picture.triangle == phong.triangle
+    error = (picture.value - phong.value) ** 2
+    return error[both & same], error[both & ~same]
 
 
 def measure(mesh: Mesh, size: int, views: int, repeats: int, material: Material) -> dict:
@@ -158,7 +165,8 @@ def measure(mesh: Mesh, size: int, views: int, repeats: int, material: Material)
       ``size``, ``pixels`` and ``schemes``: rows of counts, errors and times as ratios.
     """
     lights = four_lights(mesh)
-    sums = {name: dict.fromkeys((*COUNTS, *STAGES, "square", "values", "largest"), 0.0) for name in SCHEMES}
+    kept = (*COUNTS, *STAGES, "square", "values", "largest", "others", "largest_other")
+    sums = {name: dict.fromkeys(kept, 0.0) for name in SCHEMES}
     transform = 0.0
     for direction in track(directions(views), f"{size} pixels", transient=True):
         camera = fit_camera(mesh, direction=direction)
@@ -170,12 +178,14 @@ def measure(mesh: Mesh, size: int, views: int, repeats: int, material: Material)
         transform += seconds
         rows, pictures = one_view(projected, lights, material, repeats)
         for name, total in sums.items():
-            error = squares(pictures[name], pictures["Phong"])
             for key in (*COUNTS, *STAGES):
                 total[key] += rows[name][key]
-            total["square"] += error.sum()
-            total["values"] += len(error)
-            total["largest"] = max(total["largest"], float(np.sqrt(error.max(initial=0))))
+            error, other = squares(pictures[name], pictures["Phong"])
+            total["square"] += error.sum() + other.sum()
+            total["values"] += error.size + other.size
+            total["others"] += len(other)
+            for key, part in (("largest", error), ("largest_other", other)):
+                total[key] = max(total[key], float(np.sqrt(part.max(initial=0))))
     times = {name: transform + total["prepare"] + total["draw"] for name, total in sums.items()}
     return {
         "size": size,
@@ -197,6 +207,8 @@ def _row(
         "rms": rms,
         "psnr": float(20 * np.log10(255 / rms)) if rms else None,
         "largest": total["largest"],
+        "others": total["others"] / views,
+        "largest_other": total["largest_other"],
         "time_over_gouraud": times[name] / times["Gouraud"],
         "time_over_phong": times[name] / times["Phong"],
         "draw_over_gouraud": total["draw"] / gouraud["draw"],
@@ -249,7 +261,16 @@ def _number(value: float | None, digits: int) -> str:
 
 def _measured_table(part: dict) -> list[str]:
     columns = ("scheme", "tested", "highlighted", "with neighbours", "subdivided", "into", "final", "rms")
-    columns += ("PSNR, dB", "largest", "drawing ÷ Gouraud", "÷ Phong", "all ÷ Gouraud", "÷ Phong")
+    columns += (
+        "PSNR, dB",
+        "largest",
+        "other triangle",
+        "largest there",
+        "drawing ÷ Gouraud",
+        "÷ Phong",
+        "all ÷ Gouraud",
+        "÷ Phong",
+    )
     names = ("tested", "highlighted", "near", "subdivided", "parts", "final")
     rows = [
         [
@@ -258,6 +279,8 @@ def _measured_table(part: dict) -> list[str]:
             f"{row['rms']:.2f}",
             _number(row["psnr"], 1),
             f"{row['largest']:.0f}",
+            f"{row['others']:.1f}",
+            f"{row['largest_other']:.0f}" if row["others"] else "–",
             *(
                 f"{row[f'{what}_over_{base}']:.2f}"
                 for what in ("draw", "time")
@@ -300,15 +323,18 @@ def text(data: dict) -> str:
             "Highlighted: the test of H1 and H2 names the triangle for a light; with neighbours: those that "
             "share a vertex with one too. Subdivided: triangles of more than one part (whoever shares a "
             "split edge follows, so that there are no cracks), *into* is the number of their parts. Errors "
-            "are grey levels of 255 against Phong shading in float, over all channels of all pixels drawn.",
+            "are grey levels of 255 against Phong shading in float, over all channels of all pixels drawn. "
+            "*Largest* is over pixels in which both pictures have the same triangle of the mesh. *Other "
+            "triangle*: pixels a view in which they have not, because a new vertex is rounded to 1/256 pixel "
+            "and the surface that is nearest there, or to one side of an edge, is another one; the largest "
+            "difference there is that of two surfaces.",
             110,
         ),
         "",
         fill(
             "All schemes are drawn by one compiled scanline renderer with a z-buffer, in turns, on one core. "
             "*Drawing* is light and pixels; *all* adds the transformation, the test and the division, which "
-            "are array code over all triangles and cost a fixed time for each of its steps however few "
-            "triangles there are.",
+            "are compiled loops too.",
             110,
         ),
     ]
@@ -326,6 +352,8 @@ def text(data: dict) -> str:
             "",
             *_paper_table(data["paper"]),
         ]
+    if data["shares"]:
+        lines += ["", *shares_text(data["shares"], data["paper"])]
     return "\n".join(lines) + "\n"
 
 
@@ -352,6 +380,7 @@ def main(scene: str, sizes: tuple[int, ...], views: int, repeats: int, exponent:
         "exponent": exponent,
         "measured": measured,
         "paper": beside_paper(measured, len(mesh)),
+        "shares": measured_shares(mesh, four_lights(mesh), directions(max(views // 3, 1)), exponent),
     }
     output.with_suffix(".json").write_text(json.dumps(data, indent=1) + "\n")
     output.write_text(text(data))

@@ -131,6 +131,34 @@ def test_errors_are_ordered(data):
         assert rms["Regular subdivision"] <= rms["Gouraud"]
 
 
+def test_pixels_of_another_triangle_are_kept_apart(data):
+    for part in data["measured"]:
+        rows = {row["scheme"]: row for row in part["schemes"]}
+        for name in ("Gouraud", "Gouraud + Phong", "Phong"):
+            assert rows[name]["others"] == rows[name]["largest_other"] == 0
+        for name in ("Highlight subdivision", "Regular subdivision"):
+            assert rows[name]["others"] < 1e-3 * part["pixels"]
+            assert 0 < rows[name]["largest"] <= 1.05 * rows["Gouraud"]["largest"]
+
+
+def test_squares_are_of_the_same_and_of_another_triangle():
+    one, other = (Picture.empty(4, 1) for _ in range(2))
+    one.triangle[0], other.triangle[0] = (0, 1, 2, -1), (0, 1, 3, 3)
+    one.value[0, :, 0] = 10, 20, 30, 40
+    same, elsewhere = cho.squares(one, other)
+    assert same[:, 0].tolist() == [100, 400] and elsewhere[:, 0].tolist() == [900]
+
+
+def test_shares_depend_on_width_and_material(data):
+    widths, materials = data["shares"]["widths"], data["shares"]["materials"]
+    for size in (256, 512):
+        finals = [row[f"final_{size}"] for row in widths]
+        assert finals == sorted(finals, reverse=True) and finals[0] > 1
+    for exponent in (20, 50, 100):
+        finals = [row["final"] for row in materials if row["exponent"] == exponent]
+        assert finals == sorted(finals) and 1 < finals[0] < finals[-1]
+
+
 def test_times_are_ratios(data):
     for part in data["measured"]:
         rows = {row["scheme"]: row for row in part["schemes"]}

@@ -7,17 +7,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
+from quadshade.adapt import compiled
 from quadshade.adapt.highlight import highlight_centres, potentially_highlighted, with_neighbours
-from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
+from quadshade.adapt.subdivide import (
+    Edges,
+    insert_vertices,
+    refine,
+    screen_points,
+    shared_edges,
+    split_edges,
+)
+from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.scene.project import Projected, doubled_area
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
 from quadshade.shading.sample import reflected
+from quadshade.shading.software import compiled_surface, light_point
 
 MAX_DEPTH = 6
 """Passes of highlight subdivision."""
+FAINTEST = 1 / 255
+"""Of the largest intensity; differences are relative to no less."""
+EDGE_POINTS = np.concatenate([np.eye(3), (np.eye(3) + np.eye(3)[[1, 2, 0]]) / 2])
 
 
 @dataclass(frozen=True)
@@ -78,11 +92,28 @@ def regular_subdivision(
     return _subdivided(projected, root, highlighted)
 
 
-def _insert_centre(
-    projected: Projected, triangle: np.ndarray, light: Light
+def _insert_centres(
+    projected: Projected, found: np.ndarray, lights: Sequence[Light]
 ) -> tuple[Projected, np.ndarray, np.ndarray]:
-    """A vertex at or near each highlight's centre: the parts, their parents and the new places (k, 2)."""
-    scene, inside = highlight_centres(projected, triangle, light)
+    """
+    A vertex at or near the centre of each highlight that (lights, n) ``found`` names.
+
+    A triangle gets one, of its first light; others are left to the test of the edges.
+
+    Returns
+    -------
+    projected : Projected
+    parent : (m,) int64
+    places : (k, 2) int64
+      Of the new vertices.
+    """
+    triangle = np.flatnonzero(found.any(axis=0))
+    first = found[:, triangle].argmax(axis=0)
+    scene, inside = np.empty((len(triangle), 3)), np.empty(len(triangle), dtype=bool)
+    for index, light in enumerate(lights):
+        mine = np.flatnonzero(first == index)
+        if len(mine):
+            scene[mine], inside[mine] = highlight_centres(projected, triangle[mine], light)
     screen = scene / projected.weight[triangle]
     screen /= screen.sum(axis=1, keepdims=True)
     # Outside: the point on the edge that is nearer to the centre becomes a vertex for both neighbours.
@@ -99,9 +130,7 @@ def _insert_centre(
     whole = (np.bincount(parent, minlength=len(projected)) == 1)[triangle] & inside
     parts, more = insert_vertices(parts, np.searchsorted(parent, triangle[whole]), screen[whole])
     used = whole | outside
-    corners = projected.vertices[triangle[used]].astype(np.float64)
-    place = np.rint(np.einsum("kj,kjx->kx", screen[used], corners)).astype(np.int64)
-    return parts, parent[more], place
+    return parts, parent[more], screen_points(projected.vertices[triangle[used]], screen[used])
 
 
 def highlight_subdivision(
@@ -132,35 +161,97 @@ def highlight_subdivision(
     material = Material() if material is None else material
     found = potentially_highlighted(projected, lights)
     near = with_neighbours(projected.vertices, found.any(axis=0))
-    root = np.arange(len(projected))
-    places = [np.zeros((0, 2), np.int64)]
-    for light, highlighted in zip(lights, found, strict=True):
-        # What an earlier light has divided is left to the test of the edges.
-        whole = np.bincount(root, minlength=len(highlighted)) == 1
-        triangle = np.flatnonzero((highlighted & whole)[root])
-        if len(triangle):
-            projected, parent, place = _insert_centre(projected, triangle, light)
-            root = root[parent]
-            places.append(place)
-    centres = np.concatenate(places)
+    projected, root, centres = _insert_centres(projected, found, lights)
+    fresh = np.ones(len(root), dtype=bool)
     for step in range(MAX_DEPTH):
-        at_centre = (projected.vertices[:, :, None, :] == centres[None, None]).all(axis=3).any(axis=2)
         # Triangles with a vertex on a centre; in the first pass the highlight's neighbours too.
-        rows = np.flatnonzero(at_centre.any(axis=1) | (near[root] & (step == 0)))
-        wanted = np.zeros((len(projected), 3), dtype=bool)
-        wanted[rows] = _edge_differences(projected, rows, lights, material) > threshold
-        if not wanted.any():
+        candidates = compiled.touching(projected.vertices, centres)
+        # Later on, edges of what was not divided just now have been tested.
+        candidates = candidates & fresh if step else candidates | near[root]
+        ids, places = compiled.place_numbers(projected.vertices)
+        edges = Edges(*compiled.edge_numbers(ids, places))
+        marks = _large_differences(projected, candidates, ids, edges, lights, material, threshold)
+        if not marks.any():
             break
-        projected, parent = refine(projected, wanted)
-        root = root[parent]
+        projected, parent = split_edges(projected, edges, marks)
+        root, fresh = root[parent], (np.bincount(parent) > 1)[parent]
     return _subdivided(projected, root, found.any(axis=0))
 
 
-def _edge_differences(
-    projected: Projected, rows: np.ndarray, lights: Sequence[Light], material: Material
+def _large_differences(
+    projected: Projected,
+    candidates: np.ndarray,
+    ids: np.ndarray,
+    edges: Edges,
+    lights: Sequence[Light],
+    material: Material,
+    threshold: float,
 ) -> np.ndarray:
-    """(k, 3) largest difference over the channels at edges' middles, relative to the true intensity."""
-    places = np.concatenate([np.eye(3), (np.eye(3) + np.eye(3)[[1, 2, 0]]) / 2])
-    light = np.clip(reflected(projected, rows, places, lights, material), 0, 1)
-    linear = (light[:, :3] + light[:, [1, 2, 0]]) / 2
-    return (abs(light[:, 3:] - linear) / np.maximum(light[:, 3:], 1 / 255)).max(axis=2)
+    """(edges,) where a candidate's interpolated colour at an edge's middle is off by more, relatively."""
+    try:
+        surface = compiled_surface(projected, lights, material, 1.0)
+    except QuadshadeError:
+        # Directional lights, parallel views, a user's reflectance, coloured meshes.
+        rows = np.flatnonzero(candidates)
+        light = np.clip(reflected(projected, rows, EDGE_POINTS, lights, material), 0, 1)
+        linear = (light[:, :3] + light[:, [1, 2, 0]]) / 2
+        off = (abs(light[:, 3:] - linear) / np.maximum(light[:, 3:], FAINTEST)).max(axis=2)
+        marks = np.zeros(len(edges), dtype=bool)
+        marks[edges.index[rows][off > threshold]] = True
+        return marks
+    return _edge_loop(
+        projected.position, projected.normal, projected.weight, candidates, ids, edges.index, len(edges),
+        surface, threshold,
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _alike(position, normal, one, other):
+    """Whether the corners (triangle, corner) are the same point of the same surface."""
+    for axis in range(3):
+        if position[one // 3, one % 3, axis] != position[other // 3, other % 3, axis]:
+            return False
+        if normal[one // 3, one % 3, axis] != normal[other // 3, other % 3, axis]:
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _edge_loop(position, normal, weight, candidates, ids, index, count, surface, threshold):
+    """As :func:`_large_differences`, for what the compiled light can do; what triangles share is lit once."""
+    marks, seen = np.zeros(count, np.bool_), np.full(count, -1)
+    keeper, kept = np.full(ids.size, -1), np.empty((ids.size, 3))
+    ends, true, point, turn = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(3)
+    for row in range(len(ids)):
+        if not candidates[row]:
+            continue
+        for corner in range(3):
+            place, here = ids[row, corner], 3 * row + corner
+            if keeper[place] < 0 or not _alike(position, normal, keeper[place], here):
+                light_point(normal[row, corner], position[row, corner], surface, kept[place])
+                keeper[place] = here
+            ends[corner] = kept[place]
+        for corner in range(3):
+            other, edge = (corner + 1) % 3, index[row, corner]
+            if marks[edge]:
+                continue
+            if seen[edge] >= 0:
+                # The other side of the edge, run through the other way.
+                there = seen[edge]
+                back = there + 1 if there % 3 < 2 else there - 2
+                if _alike(position, normal, 3 * row + corner, back) and _alike(
+                    position, normal, 3 * row + other, there
+                ):
+                    continue
+            seen[edge] = 3 * row + corner
+            # Half-way on the screen; lengths of normals do not matter to the light, places are divided.
+            one, two = weight[row, corner], weight[row, other]
+            for axis in range(3):
+                at = one * position[row, corner, axis] + two * position[row, other, axis]
+                point[axis] = at / (one + two)
+                turn[axis] = one * normal[row, corner, axis] + two * normal[row, other, axis]
+            light_point(turn, point, surface, true)
+            for colour in range(3):
+                linear = (ends[corner, colour] + ends[other, colour]) / 2
+                marks[edge] |= abs(true[colour] - linear) / max(true[colour], FAINTEST) > threshold
+    return marks

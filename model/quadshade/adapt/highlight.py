@@ -13,7 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.adapt.subdivide import CORNERS, point_indices
+from quadshade.adapt import compiled, highlight_loops
+from quadshade.adapt.subdivide import point_indices
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import AmbientLight, DirectionalLight, Light
 
@@ -68,11 +69,21 @@ def highlight_possible(normals: np.ndarray, to_light: np.ndarray, to_viewer: np.
     return between[0] & between[1] & lit & seen
 
 
-def to_viewer(projected: Projected) -> np.ndarray:
-    """(n, 3, 3) float64 vectors from the vertices to the viewer, not unit length."""
-    if projected.eye is None:
-        return np.broadcast_to(projected.axes[2], projected.position.shape)
-    return projected.eye - projected.position
+def viewpoint(projected: Projected) -> tuple[np.ndarray, bool]:
+    """The eye and True, or the (3,) float64 direction to an orthographic viewer and False."""
+    near = projected.eye is not None
+    return np.ascontiguousarray(projected.eye if near else projected.axes[2], dtype=np.float64), near
+
+
+def light_rows(lights: Sequence[Light]) -> np.ndarray:
+    """(lights, 4) float64: 0 ambient, 1 directional or 2 point light, and its direction or place."""
+    rows = np.zeros((len(lights), 4))
+    for row, light in zip(rows, lights, strict=True):
+        if isinstance(light, DirectionalLight):
+            row[:] = 1, *light.direction
+        elif not isinstance(light, AmbientLight):
+            row[:] = 2, *light.position
+    return rows
 
 
 def to_light(position: np.ndarray, light: Light) -> np.ndarray:
@@ -96,12 +107,9 @@ def potentially_highlighted(projected: Projected, lights: Sequence[Light]) -> np
     -------
     (lights, n) bool
     """
-    viewer = to_viewer(projected)
-    out = np.zeros((len(lights), len(projected)), dtype=bool)
-    for row, light in zip(out, lights, strict=True):
-        if not isinstance(light, AmbientLight):
-            row[:] = highlight_possible(projected.normal, to_light(projected.position, light), viewer)
-    return out
+    return highlight_loops.named(
+        projected.position, projected.normal, *viewpoint(projected), light_rows(lights)
+    )
 
 
 def with_neighbours(vertices: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -118,93 +126,7 @@ def with_neighbours(vertices: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     -------
     (n,) bool
     """
-    points = point_indices(vertices)
-    touched = np.zeros(points.max(initial=-1) + 1, dtype=bool)
-    touched[points[chosen]] = True
-    return touched[points].any(axis=1)
-
-
-def _mix(corners: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
-    """(k, 3) what (k, 3, 3) corners carry at (k, 3) barycentric coordinates."""
-    return np.einsum("kj,kjx->kx", barycentric, corners)
-
-
-def _root(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """A root in 0 .. 1 of a t^2 + b t + c, NaN where there is none; the nearer to the middle of two."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # The form of the solution that does not cancel; the other root is c / (a root).
-        q = -0.5 * (b + np.where(b < 0, -1, 1) * np.sqrt(b * b - 4 * a * c))
-        roots = np.stack([q / a, c / q])
-    roots[~((roots >= 0) & (roots <= 1))] = np.nan
-    far = np.where(np.isnan(roots), np.inf, abs(roots - 0.5))
-    return np.take_along_axis(roots, far.argmin(axis=0)[None], axis=0)[0]
-
-
-def h1_on_segment(
-    ends: tuple[np.ndarray, np.ndarray],
-    position: np.ndarray,
-    normal: np.ndarray,
-    light: Light,
-    eye: np.ndarray | None,
-    axis: np.ndarray,
-) -> np.ndarray:
-    """
-    Where condition H1 holds between two points of each triangle: the appendix's quadratic, solved directly.
-
-    Parameters
-    ----------
-    ends : two (k, 3) float
-      Barycentric coordinates in the scene.
-    position, normal : (k, 3, 3) float
-    light : DirectionalLight or PointLight
-    eye : (3,) float or None
-    axis : (3,) float
-      Towards an orthographic viewer.
-
-    Returns
-    -------
-    (k,) float64
-      0 at the first end, 1 at the second; NaN where H1 does not hold in between.
-    """
-    start, end = (_mix(position, bary) for bary in ends)
-    first, last = (_mix(normal, bary) for bary in ends)
-    light_start, light_end = to_light(start, light), to_light(end, light)
-    viewer_start, viewer_end = (
-        np.broadcast_to(axis, place.shape) if eye is None else eye - place for place in (start, end)
-    )
-    light_step, viewer_step = light_end - light_start, viewer_end - viewer_start
-    # L x V is quadratic in t, but both vectors change by the same step (or not at all): t^2 vanishes.
-    cross = np.cross(light_start, viewer_start)
-    change = np.cross(light_step, viewer_start) + np.cross(light_start, viewer_step)
-    turn = last - first
-    return _root(_dot(change, turn), _dot(change, first) + _dot(cross, turn), _dot(cross, first))
-
-
-class _Search:
-    """The appendix's search in triangles whose corners are known."""
-
-    def __init__(self, projected: Projected, triangle: np.ndarray, light: Light) -> None:
-        self.position, self.normal = projected.position[triangle], projected.normal[triangle]
-        self.light, self.eye, self.axis = light, projected.eye, projected.axes[2]
-
-    def between(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """Where H1 holds between two points; NaN where nowhere."""
-        return h1_on_segment((one, other), self.position, self.normal, self.light, self.eye, self.axis)
-
-    def misses(self, barycentric: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Both conditions' signed distances as sines and cosines of unit vectors."""
-        place, normal = _mix(self.position, barycentric), _mix(self.normal, barycentric)
-        viewer = np.broadcast_to(self.axis, place.shape) if self.eye is None else self.eye - place
-        vectors = (normal, to_light(place, self.light), viewer)
-        normal, light, viewer = (v / np.linalg.norm(v, axis=-1, keepdims=True) for v in vectors)
-        return _dot(np.cross(light, viewer), normal), _dot(viewer, normal) - _dot(light, normal)
-
-    def on_line(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The place between two points where H2 holds if its cosines vary linearly (end of the appendix)."""
-        start, end = self.misses(one)[1], self.misses(other)[1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = start / (start - end)
-        return np.clip(np.where(np.isfinite(share), share, 0.5), 0, 1)
+    return compiled.with_neighbours(point_indices(vertices), chosen)
 
 
 def highlight_centres(
@@ -233,38 +155,6 @@ def highlight_centres(
     inside : (k,) bool
       H2 changes its sign between Q and R. Elsewhere ``centre`` is the one of the two that is nearer to it.
     """
-    search = _Search(projected, triangle, light)
-    count = len(triangle)
-    corner = np.eye(3)
-    crossing = np.stack(
-        [
-            search.between(
-                np.broadcast_to(corner[start], (count, 3)), np.broadcast_to(corner[end], (count, 3))
-            )
-            for start, end in CORNERS
-        ],
-        axis=1,
+    return highlight_loops.centres(
+        projected.position, projected.normal, triangle, *viewpoint(projected), light_rows([light])[0], repeats
     )
-    # The edge without a crossing is left out; where all three have one (at a vertex), the last.
-    has = ~np.isnan(crossing)
-    missing = np.where(has.all(axis=1), 2, has.argmin(axis=1))
-    edges = (missing[:, None] + (1, 2)) % 3
-    share = np.take_along_axis(crossing, edges, axis=1)[..., None]
-    places = corner[CORNERS[edges, 0]] * (1 - share) + corner[CORNERS[edges, 1]] * share
-    q, r = places[:, 0], places[:, 1]
-    apex = corner[CORNERS[edges[:, 0], 1]]
-    along = search.on_line(q, r)[:, None]
-    inside = search.misses(q)[1] * search.misses(r)[1] <= 0
-    centre = q + along * (r - q)
-    for _ in range(repeats):
-        # From the vertex through P to the opposite edge, where H1 has to hold again.
-        weight = (apex * centre).sum(axis=1, keepdims=True)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            far = (centre - weight * apex) / (1 - weight)
-        share = search.between(apex, far)[:, None]
-        better = np.where(np.isnan(share), centre, apex + share * (far - apex))
-        same = (search.misses(q)[1] * search.misses(better)[1] > 0)[:, None]
-        q, r = np.where(same, better, q), np.where(same, r, better)
-        along = search.on_line(q, r)[:, None]
-        centre = np.where(inside[:, None], q + along * (r - q), centre)
-    return centre, inside & (has.sum(axis=1) >= 2)

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.scene.project import Projected, doubled_area
+from quadshade.adapt import compiled
+from quadshade.scene.project import Projected
 
 CORNERS = np.array([[0, 1], [1, 2], [2, 0]])
 """Corners that edge 0, 1 and 2 of a triangle lead from and to."""
@@ -35,6 +36,13 @@ PATTERNS: dict[int, tuple[tuple, tuple]] = {0: (((0, 1, 2),),) * 2, 7: (_RED,) *
 for _by in range(3):
     PATTERNS[1 << _by] = (_turned(_ONE, _by),) * 2
     PATTERNS[1 << _by | 1 << (_by + 1) % 3] = tuple(_turned(children, _by) for children in _TWO)
+
+
+CHILDREN, COUNTS = np.zeros((8, 2, 4, 3), dtype=np.int64), np.zeros((8, 2), dtype=np.int64)
+"""The patterns as arrays: corners of the parts, and how many there are."""
+for _code, _both in PATTERNS.items():
+    for _which, _parts in enumerate(_both):
+        CHILDREN[_code, _which, : len(_parts)], COUNTS[_code, _which] = _parts, len(_parts)
 
 
 @dataclass(frozen=True)
@@ -68,8 +76,7 @@ class Edges:
 
 def point_indices(vertices: np.ndarray) -> np.ndarray:
     """(n, 3) int64: a number for each place on the screen that (n, 3, 2) sub-pixel vertices take."""
-    keys = (vertices[..., 0].astype(np.int64) << 32) + vertices[..., 1]
-    return np.unique(keys, return_inverse=True)[1].reshape(len(vertices), 3)
+    return compiled.place_numbers(np.asarray(vertices, dtype=np.int64))[0]
 
 
 def shared_edges(vertices: np.ndarray) -> Edges:
@@ -85,14 +92,7 @@ def shared_edges(vertices: np.ndarray) -> Edges:
     -------
     Edges
     """
-    pairs = point_indices(vertices)[:, CORNERS].reshape(-1, 2)
-    first, second = pairs.min(axis=1), pairs.max(axis=1)
-    count = int(pairs.max(initial=-1)) + 1
-    _, where, index = np.unique(first * count + second, return_index=True, return_inverse=True)
-    turned = pairs[:, 0] != first
-    ends = vertices[:, CORNERS].reshape(-1, 2, 2)
-    ends = np.where(turned[:, None, None], ends[:, ::-1], ends)[where]
-    return Edges(index.reshape(-1, 3), turned.reshape(-1, 3), ends)
+    return Edges(*compiled.edge_numbers(*compiled.place_numbers(np.asarray(vertices, dtype=np.int64))))
 
 
 def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, vertices: np.ndarray) -> Projected:
@@ -116,54 +116,22 @@ def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, verti
     -------
     Projected
     """
-    share = corners * projected.weight[parent][:, None, :]
-    weight = share.sum(axis=-1)
-    share /= weight[..., None]
-
-    def inside(values: np.ndarray) -> np.ndarray:
-        return np.einsum("mij,mjk->mik", share, values[parent])
-
-    depth = np.einsum("mij,mj->mi", corners, projected.depth[parent])
-    low, high = (getattr(projected.depth[parent], name)(axis=1, keepdims=True) for name in ("min", "max"))
+    kinds = [projected.position, projected.normal]
+    if projected.colour is not None:
+        kinds.append(projected.colour)
+    weight, depth, carried = compiled.interpolated(
+        parent, corners, projected.weight, projected.depth, np.stack(kinds).astype(np.float64, copy=False)
+    )
     return replace(
         projected,
         vertices=vertices,
-        depth=np.clip(depth, low, high),
-        position=inside(projected.position),
-        normal=inside(projected.normal),
-        colour=None if projected.colour is None else inside(projected.colour),
+        depth=depth,
+        position=carried[0],
+        normal=carried[1],
+        colour=None if projected.colour is None else carried[2],
         weight=weight,
         source=projected.source[parent],
     )
-
-
-def _new_vertices(edges: Edges, share: np.ndarray | None) -> np.ndarray:
-    """(edges, 2) int64 new vertices, from the edges' ends alone: whoever shares an edge gets the same."""
-    one, other = edges.ends[:, 0], edges.ends[:, 1]
-    if share is None:
-        return (one + other) >> 1
-    return one + np.rint(share[:, None] * (other - one)).astype(np.int64)
-
-
-def _children(points: np.ndarray, split: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parent (m,) and corners (m, 3), as indices into (n, 6, 2) points, of the parts of all triangles."""
-    code = split @ (1 << np.arange(3))
-    # The quadrilateral that two splits leave is cut along its shorter diagonal.
-    diagonal = np.zeros(len(points), dtype=np.int64)
-    for by in range(3):
-        rows = np.flatnonzero(code == (1 << by | 1 << (by + 1) % 3))
-        one = points[rows, by] - points[rows, 3 + (by + 1) % 3]
-        other = points[rows, 3 + by] - points[rows, (by + 2) % 3]
-        diagonal[rows] = (other**2).sum(axis=1) < (one**2).sum(axis=1)
-    parents, corners = [], []
-    for number, patterns in PATTERNS.items():
-        for which, children in enumerate(patterns):
-            rows = np.flatnonzero((code == number) & (diagonal == which))
-            parents.append(np.repeat(rows, len(children)))
-            corners.append(np.tile(np.array(children), (len(rows), 1)))
-    parent = np.concatenate(parents)
-    order = np.argsort(parent, kind="stable")
-    return parent[order], np.concatenate(corners)[order]
 
 
 def split_edges(
@@ -190,24 +158,14 @@ def split_edges(
     parent : (m,) int64
       The triangle that each part is of.
     """
-    middle = _new_vertices(edges, share)
-    marks = marks & (middle[:, None] != edges.ends).any(axis=2).all(axis=1)
-    points = np.concatenate([projected.vertices, middle[edges.index]], axis=1)
-    turn = np.sign(doubled_area(projected.vertices))
-    while True:
-        parent, corners = _children(points, marks[edges.index])
-        vertices = np.take_along_axis(points[parent], corners[..., None], axis=1)
-        wrong = np.sign(doubled_area(vertices)) != turn[parent]
-        if not wrong.any():
-            break
-        marks[edges.index[parent[wrong]]] = False
-    along = np.full(edges.index.shape, 0.5) if share is None else share[edges.index]
-    along = np.where(edges.reversed, 1 - along, along)
-    places = np.zeros((len(points), 6, 3))
-    places[:, range(3), range(3)] = 1
-    for edge, (start, end) in enumerate(CORNERS):
-        places[:, 3 + edge, start], places[:, 3 + edge, end] = 1 - along[:, edge], along[:, edge]
-    barycentric = np.take_along_axis(places[parent], corners[..., None], axis=1)
+    marks = marks.copy()
+    share = np.empty(0) if share is None else share
+    middle = compiled.new_vertices(edges.ends, share, marks)
+    vertices = np.asarray(projected.vertices, dtype=np.int64)
+    compiled.sound_marks(vertices, edges.index, marks, middle, CHILDREN, COUNTS)
+    parent, barycentric, vertices = compiled.parts(
+        vertices, edges.index, edges.reversed, marks, middle, share, CHILDREN, COUNTS
+    )
     return divided(projected, parent, barycentric, vertices), parent
 
 
@@ -252,21 +210,14 @@ def insert_vertices(
     projected : Projected
     parent : (m,) int64
     """
-    corners = projected.vertices[triangle]
-    point = np.rint(np.einsum("kj,kjx->kx", barycentric, corners.astype(np.float64))).astype(np.int64)
-    parts = np.repeat(corners[:, None], 3, axis=1)
-    parts[:, range(3), range(3)] = point[:, None]
-    turn = np.sign(doubled_area(corners))
-    good = np.ones(len(triangle), dtype=bool)
-    for part in range(3):
-        good &= np.sign(doubled_area(parts[:, part])) == turn
-    triangle = triangle[good]
-    whole = np.setdiff1d(np.arange(len(projected)), triangle)
-    places = np.repeat(np.eye(3)[None, None], len(triangle), axis=0).repeat(3, axis=1)
-    places[:, range(3), range(3)] = barycentric[good][:, None]
-    parent = np.concatenate([whole, np.repeat(triangle, 3)])
-    order = np.argsort(parent, kind="stable")
-    unit = np.broadcast_to(np.eye(3), (len(whole), 3, 3))
-    barycentric = np.concatenate([unit, places.reshape(-1, 3, 3)])[order]
-    vertices = np.concatenate([projected.vertices[whole], parts[good].reshape(-1, 3, 2)])[order]
-    return divided(projected, parent[order], barycentric, vertices), parent[order]
+    vertices = np.asarray(projected.vertices, dtype=np.int64)
+    points = screen_points(vertices[triangle], barycentric)
+    chosen = np.full(len(vertices), -1)
+    chosen[triangle] = np.arange(len(triangle))
+    parent, corners, vertices = compiled.parts_around(vertices, chosen, barycentric, points)
+    return divided(projected, parent, corners, vertices), parent
+
+
+def screen_points(vertices: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+    """(k, 2) int64 sub-pixels nearest to (k, 3) barycentric coordinates in (k, 3, 2) triangles."""
+    return np.rint((barycentric[:, :, None] * vertices).sum(axis=1)).astype(np.int64)

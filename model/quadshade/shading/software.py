@@ -100,7 +100,7 @@ def draw_software(
     material = Material() if material is None else material
     if per_pixel is None:
         per_pixel = np.zeros(len(projected), dtype=bool)
-    surface = _surface(projected, lights, material, 2.0**formats.value_bits - 1)
+    surface = compiled_surface(projected, lights, material, 2.0**formats.value_bits - 1)
     if over is None:
         over = Picture.empty(projected.width, projected.height)
     else:
@@ -112,8 +112,15 @@ def draw_software(
     return over
 
 
-def _surface(projected: Projected, lights: Sequence[Light], material: Material, full: float) -> tuple:
-    """What the compiled light needs: eye, ambient, a row of nine numbers a light, material, largest value."""
+def compiled_surface(projected: Projected, lights: Sequence[Light], material: Material, full: float) -> tuple:
+    """
+    What :func:`light_point` needs: eye, ambient, a row of nine numbers a light, material, largest value.
+
+    Raises
+    ------
+    QuadshadeError
+      A light, a material or a view of another kind.
+    """
     points = [light for light in lights if isinstance(light, PointLight)]
     ambient = [light.colour for light in lights if isinstance(light, AmbientLight)]
     if len(points) + len(ambient) < len(lights) or projected.eye is None:
@@ -140,7 +147,7 @@ def _surface(projected: Projected, lights: Sequence[Light], material: Material, 
 
 
 @njit(cache=True, error_model="numpy")
-def _light(normal, point, surface, out):
+def light_point(normal, point, surface, out):
     """
     The light that a point reflects to the eye, as ``Material.reflect``, clamped and at full scale.
 
@@ -196,7 +203,7 @@ def _light_corners(vertices, position, normal, index, surface, keepers, kept, ou
         slot = (place[0] * 31 + place[1]) % len(keepers)
         known, at = keepers[slot] // 3, keepers[slot] % 3
         if known < 0 or not (_same(position[known, at], point) and _same(normal[known, at], turn)):
-            _light(turn, point, surface, kept[slot])
+            light_point(turn, point, surface, kept[slot])
             keepers[slot] = 3 * index + corner
         for part in range(COLOURS):
             out[corner, part] = kept[slot, part]
@@ -277,7 +284,7 @@ def _exact_span(row, columns, z, z_step, here, step, index, surface, point, fram
             triangle[row, x] = index
             for axis in range(3):
                 point[axis] = here[3 + axis] / here[6]
-            _light(here, point, surface, frame[row, x])
+            light_point(here, point, surface, frame[row, x])
         z += z_step
         for part in range(CARRIED):
             here[part] += step[part]
