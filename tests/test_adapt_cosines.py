@@ -14,7 +14,7 @@ from quadshade.adapt.shader import ColourShader
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
-from quadshade.scene import Projected, fit_camera, load_scene, project
+from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project
 from quadshade.scene.mesh import Mesh
 from quadshade.shading import (
     AmbientLight,
@@ -32,7 +32,7 @@ SHINY = Material(exponent=50)
 SPECULAR = "quadratic-specular"
 
 
-def looked_at(mesh: Mesh, size: int = 192) -> Projected:
+def looked_at(mesh: Mesh, size: int = 128) -> Projected:
     return project(mesh, fit_camera(mesh), size, size)
 
 
@@ -174,13 +174,26 @@ def test_scenes_without_cosines() -> None:
 def test_small_triangles_are_known_by_their_pixels() -> None:
     whole = looked_at(load_scene("sphere:690"), 96)
     formats = Formats()
-    places = pixel_places(whole, formats)
+    places = pixel_places(whole, formats, whole, np.arange(len(whole)))
     pixels = draw(sample(whole, "flat"), formats).pixels
     have = np.bincount(pixels.triangle, minlength=len(whole))
     assert (places.pixels == have).mean() > 0.9
     assert (places.rows == np.flatnonzero((have > 0) & (have <= FEW))).all()
     assert (places.used.sum(axis=1) == have[places.rows]).all()
     assert places.points[places.used].min() >= 0
+    assert (places.whole == places.points).all()
+    parts, root = refine(whole, np.ones(len(whole), dtype=bool))
+    few = pixel_places(parts, formats, whole, root)
+    at = [
+        np.einsum("kpj,kjx->kpx", points, corners.astype(float))
+        for points, corners in (
+            (few.points, parts.vertices[few.rows]),
+            (few.whole, whole.vertices[root[few.rows]]),
+        )
+    ]
+    # The same pixels' centres, in 1/256 pixel.
+    np.testing.assert_allclose(at[0][few.used], at[1][few.used], atol=1e-6)
+    assert (np.rint(at[0][few.used]) % 256 == 128).all()
     # What an order's words can meet exactly, they do: a pixel is one place, three are a plane's.
     shader = ColourShader(None, SHINY, formats, whole)
     errors = np.full(len(whole), np.nan)
@@ -215,3 +228,25 @@ def test_equal_extremes_are_less_than_the_mean_squares() -> None:
         nearest, equal = (fit_at(places, used, values, order, 255.0, measure) for measure in ("rms", "max"))
         assert (equal.largest <= nearest.largest + 1e-9).all()
         assert equal.largest.mean() < 0.95 * nearest.largest.mean()
+
+
+def test_nothing_seen_is_drawn_with_nothing() -> None:
+    mesh = load_scene("sphere:168")
+    nothing = project(mesh, parse_camera("eye=9,0,0,target=20,0,0", mesh), 64, 48)
+    assert len(nothing) == 0
+    for choice in ({"max_error": 2.0}, {"budget": 2000}, {"budget": 2000, "measure": "rms"}):
+        for shading in ("quadratic", SPECULAR, "auto"):
+            adapted = adapt(nothing, None, SHINY, **choice, shading=shading)
+            assert len(adapted.triangles) == 0
+            assert stream_bytes(adapted.triangles, adapted.formats) == state_bytes(adapted.triangles)
+
+
+def test_triangles_without_a_pixel_cost_and_err_nothing() -> None:
+    whole = looked_at(load_scene("sphere:690"), 24)
+    core = specular_formats({}, whole, None, SHINY)
+    for shader in (ColourShader(None, SHINY, None, whole), CosineShader(None, SHINY, core, whole)):
+        found = shader.surface(whole).found
+        unseen = found["pixels"] == 0
+        assert 0.1 < unseen.mean() < 0.9
+        assert found["errors"][unseen].max() == found["bound"][unseen].max() == 0
+        assert found["errors"][~unseen].max() > 1

@@ -58,17 +58,30 @@ class CosineShader(Shader):
         combinations = product(range(len(self.orders)), repeat=2 * count)
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
 
-    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
         """Adds ``options`` (n, k, channels), ``errors`` (n, k) and ``halves`` (n, 3, 2, k) of them."""
+        count, orders = len(projected), len(self.orders)
+        found = self._chunks(projected, slice(None), lambda part, _: self._halves(part))
+        options = LEVELS if self.combinations is None else len(self.combinations)
+        # Of a triangle without a pixel everything stays 0.
+        found["samples"] = np.zeros((count, len(self.place), orders, 6))
+        found["options"] = np.zeros((count, options, len(self.place)), dtype=np.int64)
+        found["errors"] = np.zeros((count, options))
+        large = np.ones(count, dtype=bool)
+        large[places.rows], large[places.pixels == 0] = False, False
         everywhere = np.ones((1, len(POINTS)), dtype=bool)
-        found = self._chunks(projected, lambda part, _: self._grid(part, everywhere))
-        if len(places.rows):
-            few = self._chunks(
-                projected.ordered(places.rows),
-                lambda part, rows: self._fitted(part, places.points[rows], places.used[rows])[0],
-            )
-            for key, values in few.items():
-                found[key][places.rows] = values
+        fits = [(projected, np.flatnonzero(large), POINTS, None, everywhere, NODES)]
+        for rows, points, whole, used in places.groups():
+            fits.append((self.whole.ordered(root), rows, points, whole, used, None))
+        for lit, rows, points, whole, used, nodes in fits:
+
+            def work(part: Projected, at: slice, points=points, whole=whole, used=used, nodes=nodes) -> dict:
+                if whole is None:
+                    return self._fitted(part, points, points, used, nodes)
+                return self._fitted(part, whole[at], points[at], used[at], nodes)
+
+            for key, values in self._chunks(lit, rows, work).items():
+                found[key][rows] = values
         half, options = found.pop("half"), found["options"]
         found["halves"] = np.zeros((*half.shape[:3], options.shape[1]))
         for channel in range(len(self.place)):
@@ -82,19 +95,21 @@ class CosineShader(Shader):
         return found
 
     def _chunks(
-        self, projected: Projected, work: Callable[[Projected, slice], dict[str, np.ndarray]]
+        self,
+        projected: Projected,
+        rows: np.ndarray | slice,
+        work: Callable[[Projected, slice], dict[str, np.ndarray]],
     ) -> dict[str, np.ndarray]:
-        """What a function finds out for some triangles at a time."""
-        parts = []
-        for start in range(0, max(len(projected), 1), CHUNK):
-            rows = slice(start, start + CHUNK)
-            parts.append(work(projected.ordered(np.arange(len(projected))[rows]), rows))
+        """What a function finds out for some triangles at a time; it gets them, and which of the rows."""
+        parts, rows = [], np.arange(len(projected))[rows]
+        for start in range(0, max(len(rows), 1), CHUNK):
+            chunk = slice(start, start + CHUNK)
+            parts.append(work(projected.ordered(rows[chunk]), chunk))
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
-    def _grid(self, projected: Projected, everywhere: np.ndarray) -> dict[str, np.ndarray]:
-        """What :meth:`_fitted` finds on the grid, what halves would leave, and the steepest power."""
-        found, channels = self._fitted(projected, POINTS, everywhere, NODES)
-        margin = MARGIN if self.measure == "max" else 1.0
+    def _halves(self, projected: Projected) -> dict[str, np.ndarray]:
+        """``half`` (n, 3, 2, channels, orders): what each channel would leave; the ``steepest`` power."""
+        channels = self._channels(projected, POINTS, np.ones((1, len(POINTS)), dtype=bool))
         half = np.empty((len(projected), 3, 2, len(self.place), len(self.orders)))
         for edge, sides in enumerate(HALVES):
             for side, points in enumerate(sides):
@@ -105,23 +120,13 @@ class CosineShader(Shader):
                         shape = shape_functions(POINTS[points], order)[None]
                         samples = weighted_fit(shape, part.value, part.weight)
                         half[:, edge, side, own, index] = part.fit(samples, shape).by(self.measure)
-        slope = channels[1].slope.max(axis=-1)
-        return found | {"errors": found["errors"] * margin, "half": half * margin, "steepest": slope}
+        margin = MARGIN if self.measure == "max" else 1.0
+        return {"half": half * margin, "steepest": channels[1].slope.max(axis=-1)}
 
-    def _fitted(
-        self, projected: Projected, points: np.ndarray, used: np.ndarray, nodes: list | None = None
-    ) -> tuple[dict[str, np.ndarray], tuple[Diffuse, Specular]]:
-        """
-        The best polynomials at points of triangles, and how far colours are off with each option.
-
-        Parameters
-        ----------
-        projected : Projected
-        points : (p, 3) or (n, p, 3) float
-        used : (1 or n, p) bool
-        nodes : list, optional
-          Points of the grid that a polynomial of each order may go through.
-        """
+    def _channels(
+        self, projected: Projected, points: np.ndarray, used: np.ndarray
+    ) -> tuple[Diffuse, Specular]:
+        """The cosines at points of triangles."""
         facing, towards, _ = cosines(projected, self.pointed, self.material, points, self.strength)
         facing, towards = facing.transpose(1, 0, 2), towards.transpose(1, 0, 2)
         norm = np.max if self.measure == "max" else np.linalg.norm
@@ -130,12 +135,37 @@ class CosineShader(Shader):
         lit = (facing > 0) & (towards > 0)
         slope = lit * self.exponent * np.clip(towards, 0, 1) ** (self.exponent - 1)
         counts = np.broadcast_to(used[:, None], facing.shape)
-        channels = (
+        return (
             Diffuse(facing, counts * np.where(facing > 0, 1, DARK), counts, scales[0], shine * scales[1]),
             Specular(
                 towards, counts * (slope / self.exponent + FAINT), counts, scales[1], lit, self.exponent
             ),
         )
+
+    def _fitted(
+        self,
+        projected: Projected,
+        places: np.ndarray,
+        points: np.ndarray,
+        used: np.ndarray,
+        nodes: list | None = None,
+    ) -> dict[str, np.ndarray]:
+        """
+        The best polynomials at points of triangles, and how far colours are off with each option.
+
+        Parameters
+        ----------
+        projected : Projected
+          What is lit: these triangles, or those of which they are parts.
+        places : (p, 3) or (n, p, 3) float
+          Where in it.
+        points : (p, 3) or (n, p, 3) float
+          The same points in the triangles themselves.
+        used : (1 or n, p) bool
+        nodes : list, optional
+          For the grid: its points that a polynomial of each order may go through.
+        """
+        channels = self._channels(projected, places, used)
         shapes = [
             shape_functions(points, order).reshape(-1, points.shape[-2], PLANES[order])
             for order in self.orders
@@ -159,9 +189,10 @@ class CosineShader(Shader):
             )
             for part in fits
         ]
-        errors = self._joint_errors(drawn, options, self.shade(projected, points), used)
-        found = {"samples": samples * self.full, "options": options, "errors": errors}
-        return found, channels
+        errors = self._joint_errors(drawn, options, self.shade(projected, places), used)
+        if nodes is not None and self.measure == "max":
+            errors *= MARGIN
+        return {"samples": samples * self.full, "options": options, "errors": errors}
 
     def _options(self, errors: np.ndarray) -> np.ndarray:
         """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""
@@ -173,7 +204,7 @@ class CosineShader(Shader):
             good = errors[:, None] <= levels[:, None, None]
             good[..., -1] = True
             options = good.argmax(axis=-1)
-        return self.free_orders(options.reshape(-1, channels)).reshape(count, -1, channels)
+        return self.free_orders(options.reshape(-1, channels)).reshape(options.shape)
 
     def _joint_errors(
         self, drawn: list[np.ndarray], options: np.ndarray, true: np.ndarray, used: np.ndarray

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,9 @@ class Places:
       Triangles with 1 to ``FEW`` of them.
     points : (k, ``FEW``, 3) float64
       Barycentric coordinates of their centres.
+    whole : (k, ``FEW``, 3) float64
+      The same in the triangles of which these are parts. A part's corners are rounded, so its own shading is
+      not quite the whole's, and where normals turn within a pixel that can be seen.
     used : (k, ``FEW``) bool
       Which of the points are pixels.
     """
@@ -39,10 +43,25 @@ class Places:
     pixels: np.ndarray
     rows: np.ndarray
     points: np.ndarray
+    whole: np.ndarray
     used: np.ndarray
 
+    def groups(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """Rows, points, whole and used of triangles of up to 4, of up to 16, and of up to ``FEW`` pixels."""
+        count, least = self.used.sum(axis=1), 0
+        for most in (4, 16, FEW):
+            mine = np.flatnonzero((count > least) & (count <= most))
+            least = most
+            if len(mine):
+                yield (
+                    self.rows[mine],
+                    self.points[mine, :most],
+                    self.whole[mine, :most],
+                    self.used[mine, :most],
+                )
 
-def pixel_places(projected: Projected, formats: Formats) -> Places:
+
+def pixel_places(projected: Projected, formats: Formats, whole: Projected, root: np.ndarray) -> Places:
     """
     Find the pixels of small triangles, as the core covers them.
 
@@ -50,6 +69,9 @@ def pixel_places(projected: Projected, formats: Formats) -> Places:
     ----------
     projected : Projected
     formats : Formats
+    whole : Projected
+    root : (n,) int
+      The triangle of ``whole`` of which each is a part.
 
     Returns
     -------
@@ -75,8 +97,14 @@ def pixel_places(projected: Projected, formats: Formats) -> Places:
     first = np.cumsum(have[rows]) - have[rows]
     row = np.searchsorted(rows, owner)
     slot = np.arange(len(order)) - first[row]
-    points = np.full((len(rows), FEW, 3), 1 / 3)
-    used = np.zeros(points.shape[:2], dtype=bool)
-    points[row, slot] = barycentric(vertices, owner, pixels.x[order], pixels.y[order], formats.subpixel_bits)
+    used = np.zeros((len(rows), FEW), dtype=bool)
     used[row, slot] = True
-    return Places(count, small[rows], points, used)
+    both = np.full((2, len(rows), FEW, 3), 1 / 3)
+    for points, corners, triangle in (
+        (both[0], vertices, owner),
+        (both[1], whole.vertices, root[small[owner]]),
+    ):
+        points[row, slot] = barycentric(
+            corners, triangle, pixels.x[order], pixels.y[order], formats.subpixel_bits
+        )
+    return Places(count, small[rows], *both, used)

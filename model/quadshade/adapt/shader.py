@@ -80,7 +80,7 @@ class Shader:
         measure: str,
         place: Sequence[int],
     ) -> None:
-        self.measure = measure
+        self.measure, self.whole = measure, projected
         self.formats = Formats() if formats is None else formats
         self.material = Material() if material is None else material
         self.lights = default_lights(projected.axes) if lights is None else lights
@@ -98,14 +98,15 @@ class Shader:
             self.packet_words += PLANES[LINEAR] * share[-1]
 
     def surface(self, projected: Projected, root: np.ndarray | None = None) -> Surface:
-        """A mesh, shaded and fitted; ``root`` is each triangle's own index where it is not given."""
-        places = pixel_places(projected, self.formats)
-        found = self.assess(projected, places) | {"pixels": places.pixels}
+        """A mesh, shaded and fitted; without ``root`` the undivided one."""
+        root = np.arange(len(projected)) if root is None else root
+        places = pixel_places(projected, self.formats, self.whole, root)
+        found = self.assess(projected, places, root) | {"pixels": places.pixels}
         for name in ("errors", "bound"):
             found[name][places.pixels == 0] = 0
-        return Surface(projected, np.arange(len(projected)) if root is None else root, found)
+        return Surface(projected, root, found)
 
-    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
         """``samples``, ``bound`` and what :meth:`choose` and :meth:`choose_halves` take."""
         raise NotImplementedError
 
@@ -194,27 +195,21 @@ class ColourShader(Shader):
             raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
         super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
 
-    def assess(self, projected: Projected, places: Places) -> dict[str, np.ndarray]:
+    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
         """Adds ``errors`` (n, 3, orders) and ``halves`` (n, 3, 2, 3, orders) by the measure in use."""
         values = self.shade(projected, POINTS)
         fits = [fit(values, order, self.full, self.measure) for order in self.orders]
         samples = np.stack([one.samples for one in fits], axis=2)
-        bound = self.rounding_bounds(projected, fits[-1].samples).max(axis=1, initial=0)
         halves = np.stack([split_errors(values, order, self.measure) for order in self.orders], axis=-1)
-        largest = self.measure == "max"
-        errors = np.stack([one.largest * MARGIN if largest else one.square for one in fits], axis=2)
-        few = projected.ordered(places.rows)
-        values = self.shade(few, places.points)
-        for index, order in enumerate(self.orders):
-            one = fit_at(places.points, places.used, values, order, self.full, self.measure)
-            samples[places.rows, :, index] = one.samples
-            errors[places.rows, :, index] = one.largest if largest else one.square
-        return {
-            "samples": samples,
-            "bound": bound,
-            "errors": errors,
-            "halves": halves * (MARGIN if largest else 1.0),
-        }
+        margin = MARGIN if self.measure == "max" else 1.0
+        errors = np.stack([one.by(self.measure) for one in fits], axis=2) * margin
+        for rows, points, whole, used in places.groups():
+            values = self.shade(self.whole.ordered(root[rows]), whole)
+            for index, order in enumerate(self.orders):
+                one = fit_at(points, used, values, order, self.full, self.measure)
+                samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
+        bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
+        return {"samples": samples, "bound": bound, "errors": errors, "halves": halves * margin}
 
     def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
         if self.measure == "max":
