@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
@@ -79,6 +80,28 @@ def test_edges_are_read_from_the_netlist(tmp_path: Path) -> None:
         assert "notice" not in output
         pictures.append(read_picture(path))
     assert np.array_equal(*pictures)
+
+
+def test_an_adaptive_picture_is_drawn_with_cosines_and_said_so(tmp_path: Path) -> None:
+    base = ("render", "sphere:168", "--size", "48x32", "--exponent", "60", "--max-error", "2")
+    board, host, stats = tmp_path / "board.png", tmp_path / "host.png", tmp_path / "a.json"
+    simulated = ("--port", "sim", "--engine", "model", "--pack-error", "0", "--stats", stats)
+    code, output = run(*base, "-o", board, *simulated)
+    assert code == 0, output
+    assert (
+        "as the golden model predicts; " in output and "bytes as quadratic-specular, as quadratic " in output
+    )
+    mix = json.loads(stats.read_text())["adaptive"]
+    assert mix["adaptive_shading"] == "quadratic-specular" and mix["rival"]["bytes"] > 0
+    # The board has a third channel, so that colours are a choice: words, but not pixels.
+    code, output = run(*base, "-o", host, "--engine", "model", "--generic", "num_channels=3")
+    assert code == 0, output
+    assert np.array_equal(read_picture(board), read_picture(host))
+    # Edges come from a G-buffer, which takes a board without the shade unit.
+    code, output = run(*base, "-o", board, *simulated, "--edges", "profile,inner")
+    assert code == 0, output
+    assert "bytes as quadratic;" in output and "drawn as quadratic: generic with_shade is 0" in output
+    assert "edges drawn by the host" not in output
 
 
 def test_a_board_without_edge_map_leaves_them_to_the_host() -> None:

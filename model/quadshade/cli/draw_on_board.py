@@ -71,8 +71,9 @@ def render_on_board(
         settings = board_settings(None, size, choice.generics, shaded)
         if style_choice.style == "cartoon":
             settings = settings.with_generics({"num_specular": settings.formats.num_channels})
-        if choice.adapt_choice is not None and not is_given("shading") and not choice.generics:
-            # Enough for colours and, of one light, for cosines.
+        free = not is_given("shading") and not choice.generics and not style_choice.kinds
+        if choice.adapt_choice is not None and free:
+            # Enough for colours and, of one light, for cosines; edges need a board without shade.
             settings = settings.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
         if style_choice.kinds and can_draw_gbuffer(settings.formats):
             settings = settings.with_generics({"with_edge_map": 1})
