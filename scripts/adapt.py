@@ -20,7 +20,15 @@ import matplotlib
 import numpy as np
 from rich.console import Console
 
-from quadshade.adapt import ColourShader, CosineShader, adapt, error_figures, pixel_errors, refine
+from quadshade.adapt import (
+    ColourShader,
+    CosineShader,
+    LightShader,
+    adapt,
+    error_figures,
+    pixel_errors,
+    refine,
+)
 from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.figures import state_bytes
 from quadshade.adapt.plan import Planner
@@ -88,11 +96,16 @@ def fixed_choices(whole: Projected, material: Material, formats: Formats) -> Ite
 def adaptive_curve(
     whole: Projected, measure: str, steps: int, most: int, material: Material, formats: Formats
 ) -> Iterator[dict]:
-    """Pictures of either channels from the cheapest to the best, until one takes more than fixed choices."""
+    """
+    Pictures of each kind of channels from the cheapest to the best.
+
+    Until one takes more than fixed choices; those without the power, only while they take less than with it.
+    """
+    with_power = np.full(steps, np.inf)
     core = specular_formats({}, whole, None, material)
-    for kind, own in ((ColourShader, formats), (CosineShader, core)):
+    for kind, own in ((ColourShader, formats), (CosineShader, core), (LightShader, core)):
         planner = Planner(whole, kind(None, material, own, whole, measure))
-        for strictness in np.linspace(0, 1, steps):
+        for step, strictness in enumerate(np.linspace(0, 1, steps)):
             # The largest error is verified, as it is by `render --max-error`.
             if measure == "max":
                 plan = planner.verified(OUTPUT_ROUNDING + planner.shader.full * 1e-4**strictness)[0]
@@ -101,7 +114,9 @@ def adaptive_curve(
             adapted = plan.adapted()
             point = measured(adapted.triangles, adapted.root, whole, material, own)
             yield {"measure": measure, "estimated": adapted.estimated} | adapted.mix() | point
-            if point["bytes"] > most:
+            if kind is CosineShader:
+                with_power[step] = point["bytes"]
+            if point["bytes"] > (with_power[step] if kind is LightShader else most):
                 break
 
 
@@ -168,7 +183,7 @@ def plot(scenes: list[dict], path: Path) -> None:
                 panel.plot(
                     [p["bytes"] for p in points], [p[measure] for p in points], mark + ":", label=shading
                 )
-            for kind, line_style in ((ColourShader, "k--"), (CosineShader, "k-")):
+            for kind, line_style in ((ColourShader, "k--"), (CosineShader, "k-"), (LightShader, "k:")):
                 points = [p for p in scene["adaptive"][measure] if p["adaptive_shading"] == kind.shading]
                 panel.plot(*front(points, measure), line_style, label=f"adaptive, {kind.shading}")
             panel.set(xscale="log", yscale="log")
@@ -213,15 +228,15 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
         "that the golden model drew, `max` the largest of any channel, `rms` the root mean square. *At no",
         "more* is the cheapest (or best) picture of the adaptive curve that is no worse (or no dearer) than",
         "the fixed choice, in brackets its share of it. A fixed choice is *dominated* where adaptive needs",
-        "fewer bytes for no more error and has less error for no more bytes. Flat triangles are the smallest",
-        "packets that there are: there, adaptive can only have as many bytes and less error.",
+        "fewer bytes for no more error and has less error for no more bytes.",
         "",
         f"Of {len(verdicts)} comparisons (fixed choices, both measures) {counts['yes']} are dominated,",
         f"{counts['as many bytes, less error']} have as many bytes and less error, {counts['no']} are not.",
         "",
-        "Adaptive pictures have colour channels (`quadratic`) or cosines (`quadratic-specular`: diffuse and",
-        "specular, the power taken at the pixel, [shade.md](../shade.md)); the curve is the better of both.",
-        "Bytes are those of the set-up stream and, with cosines, of the shade unit's state too.",
+        "Adaptive pictures have colour channels (`quadratic`), cosines (`quadratic-specular`: diffuse and",
+        "specular, the power taken at the pixel, [shade.md](../shade.md)) or the light's parts",
+        "(`quadratic-lights`: diffuse and specular, without the power); the curve is the best of them. Bytes",
+        "are those of the set-up stream and of the shade unit's state where it is used.",
         "",
     ]
     if missing:
@@ -253,7 +268,7 @@ def mix_text(scenes: list[dict]) -> list[str]:
         "",
         "`quadshade render --max-error`: every pixel verified. *Parts* are triangles sent, counted by their",
         "highest order; *with a power* are those whose specular cosine is linear or quadratic. *The other's*",
-        "bytes are those of the channels that were tried too and not taken.",
+        "bytes are those of the next best channels that were tried.",
         "",
         f"| {' | '.join(MIX_COLUMNS)} |",
         "|" + " --- |" * len(MIX_COLUMNS),
@@ -264,7 +279,8 @@ def mix_text(scenes: list[dict]) -> list[str]:
             rival = row["rival"] or {}
             line = [scene["mesh"], f"{row['max_error']:g}", row["adaptive_shading"], row["bytes"]]
             line += [rival.get("bytes", "–"), row["divided"], row["triangles"], *orders.values()]
-            line += [powers["linear"] + powers["quadratic"], f"{row['max']:.2f}"]
+            varying = powers["linear"] + powers["quadratic"]
+            line += [varying if row["adaptive_shading"] == CosineShader.shading else "–", f"{row['max']:.2f}"]
             lines.append(f"| {' | '.join(map(str, line))} |")
     return lines
 

@@ -30,6 +30,7 @@ from teapot import teapot
 
 SHINY = Material(exponent=50)
 SPECULAR = "quadratic-specular"
+KINDS = ("quadratic", SPECULAR, "quadratic-lights")
 
 
 def looked_at(mesh: Mesh, size: int = 128) -> Projected:
@@ -49,14 +50,14 @@ def figures_of(adapted, whole: Projected, lights=None, material: Material = SHIN
 def test_the_cheaper_channels_are_taken_and_the_error_kept(scene: str, allowed: float) -> None:
     whole = looked_at(teapot() if scene == "teapot" else load_scene(scene))
     both = {}
-    for shading in ("quadratic", SPECULAR):
+    for shading in KINDS:
         both[shading] = adapt(whole, None, SHINY, max_error=allowed, shading=shading)
         assert figures_of(both[shading], whole, allowed=allowed).exceeding == 0
     auto = adapt(whole, None, SHINY, max_error=allowed, shading="auto")
     sizes = {name: stream_bytes(one.triangles, one.formats) for name, one in both.items()}
     assert auto.shading == min(sizes, key=sizes.get)
     assert stream_bytes(auto.triangles, auto.formats) == min(sizes.values())
-    assert auto.rival["bytes"] == max(sizes.values()) and auto.rival["shading"] != auto.shading
+    assert auto.rival["bytes"] == sorted(sizes.values())[1] and auto.rival["shading"] != auto.shading
     assert auto.mix()["rival"] == auto.rival
     if allowed < 1:
         assert sizes[SPECULAR] < 0.7 * sizes["quadratic"]
@@ -77,16 +78,16 @@ def test_bytes_are_those_that_are_sent() -> None:
 
 
 @pytest.mark.parametrize("scene", ["sphere:168", "torus:288", "teapot"])
-@pytest.mark.parametrize("shading", ["linear-specular", SPECULAR])
+@pytest.mark.parametrize("shading", ["flat", "linear-specular", SPECULAR])
 @pytest.mark.parametrize("levels", [0, 1])
-def test_dominates_fixed_cosines(scene: str, shading: str, levels: int) -> None:
+def test_dominates_fixed_choices(scene: str, shading: str, levels: int) -> None:
     whole = parts = looked_at(teapot() if scene == "teapot" else load_scene(scene))
     root = np.arange(len(whole))
     for _ in range(levels):
         parts, parent = refine(parts, np.ones(len(parts), dtype=bool))
         root = root[parent]
-    core = specular_formats({}, whole, None, SHINY)
-    fixed = sample_specular(parts, shading, None, SHINY, core)
+    core = Formats() if shading == "flat" else specular_formats({}, whole, None, SHINY)
+    fixed = (sample if shading == "flat" else sample_specular)(parts, shading, None, SHINY, core)
     size = stream_bytes(fixed, core)
     theirs = error_figures(pixel_errors(draw(fixed, core).pixels, root, whole, None, SHINY, core))
     ours = adapt(whole, None, SHINY, max_error=theirs.largest, shading="auto")
@@ -149,15 +150,34 @@ def test_a_budget_takes_what_errs_less() -> None:
     whole = looked_at(load_scene("torus:288"))
     for measure, name in (("max", "largest"), ("rms", "rms")):
         errors = {}
-        for shading in ("quadratic", SPECULAR, "auto"):
+        for shading in (*KINDS, "auto"):
             one = adapt(whole, None, SHINY, budget=14_500, measure=measure, shading=shading)
             errors[shading] = getattr(figures_of(one, whole), name)
-        assert errors["auto"] == min(errors.values()) == errors[SPECULAR] < 0.3 * errors["quadratic"]
-    # Where the state alone is too much, colours are left.
-    least = stream_bytes(sample(whole, "flat"), Formats())
+        assert errors["auto"] == min(errors.values())
+        assert errors[SPECULAR] < 0.3 * errors["quadratic"]
+    # Two constant words a light are the least that there is: where only they are paid for, they are left.
+    cheapest = adapt(whole, None, SHINY, max_error=250.0, shading="quadratic-lights")
+    least = stream_bytes(cheapest.triangles, cheapest.formats)
     one = adapt(whole, None, SHINY, budget=least, shading="auto")
-    assert one.shading == "quadratic"
+    assert one.shading == "quadratic-lights"
     assert "the budget is" in one.rival["reason"]
+    assert least < stream_bytes(sample(whole, "flat"), Formats())
+
+
+@pytest.mark.parametrize("lights", [None, SUNS[:2]], ids=["one light", "two lights"])
+def test_lights_without_the_power_need_no_table(lights) -> None:
+    whole = looked_at(load_scene("sphere:374"))
+    adapted = adapt(whole, lights, SHINY, max_error=4.0, shading="quadratic-lights")
+    assert figures_of(adapted, whole, lights, allowed=4.0).exceeding == 0
+    state = adapted.triangles.shade
+    assert state.tables.size == 0 and state_bytes(adapted.triangles) < 100
+    assert state.linear == (1 << adapted.formats.num_specular) - 1
+    # What a specular channel carries is the light itself: 1 is as much as a table's 1.
+    powered = adapt(whole, lights, SHINY, max_error=4.0, shading=SPECULAR).triangles.shade
+    top = (1 << adapted.formats.lane_value_bits) - 1
+    full = 255 << adapted.formats.shade_guard_bits
+    ratio = state.coefficients[-1] * (top / full) / powered.coefficients[-1]
+    np.testing.assert_allclose(ratio, 1, atol=1e-4)
 
 
 def test_scenes_without_cosines() -> None:
@@ -235,7 +255,7 @@ def test_nothing_seen_is_drawn_with_nothing() -> None:
     nothing = project(mesh, parse_camera("eye=9,0,0,target=20,0,0", mesh), 64, 48)
     assert len(nothing) == 0
     for choice in ({"max_error": 2.0}, {"budget": 2000}, {"budget": 2000, "measure": "rms"}):
-        for shading in ("quadratic", SPECULAR, "auto"):
+        for shading in (*KINDS, "auto"):
             adapted = adapt(nothing, None, SHINY, **choice, shading=shading)
             assert len(adapted.triangles) == 0
             assert stream_bytes(adapted.triangles, adapted.formats) == state_bytes(adapted.triangles)

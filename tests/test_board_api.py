@@ -83,13 +83,13 @@ def test_edges_are_read_from_the_netlist(tmp_path: Path) -> None:
 
 
 def test_an_adaptive_picture_is_drawn_with_cosines_and_said_so(tmp_path: Path) -> None:
-    base = ("render", "sphere:168", "--size", "48x32", "--exponent", "60", "--max-error", "2")
+    base = ("render", "sphere:168", "--size", "48x32", "--exponent", "60", "--max-error", "0.9")
     board, host, stats = tmp_path / "board.png", tmp_path / "host.png", tmp_path / "a.json"
     simulated = ("--port", "sim", "--engine", "model", "--pack-error", "0", "--stats", stats)
     code, output = run(*base, "-o", board, *simulated)
     assert code == 0, output
     assert (
-        "as the golden model predicts; " in output and "bytes as quadratic-specular, as quadratic " in output
+        "as the golden model predicts; " in output and "bytes as quadratic-specular, as quadratic" in output
     )
     mix = json.loads(stats.read_text())["adaptive"]
     assert mix["adaptive_shading"] == "quadratic-specular" and mix["rival"]["bytes"] > 0

@@ -21,20 +21,25 @@ def run(*arguments: str) -> tuple[int, str]:
 
 def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
     picture, stats = tmp_path / "a.png", tmp_path / "a.json"
-    code, output = run("-o", picture, "--engine", "model", "--max-error", "3", "--stats", stats)
+    code, output = run(
+        "-o", picture, "--engine", "model", "--max-error", "1.5", "--exponent", "80", "--stats", stats
+    )
     assert code == 0, output
     content = json.loads(stats.read_text())
     found = content["adaptive"]
     assert content["shading"] == "adaptive"
     assert found["bytes"] == 4 * content["words"] + found["state_bytes"]
-    assert found["measured_max"] <= 3.0
+    assert found["measured_max"] <= 1.5
     assert found["share_over_max_error"] == 0
     assert content["triangles"] == found["triangles"] == sum(found["triangles_by_order"].values())
     # Nobody has chosen between colours and cosines: what was, and what the other takes, is said.
     assert found["adaptive_shading"] == "quadratic-specular" and content["generics"]["with_shade"] == 1
     other = found["rival"]
-    assert other["shading"] == "quadratic" and other["bytes"] > found["bytes"] > found["state_bytes"] > 0
-    assert f"{found['bytes']} bytes as quadratic-specular, as quadratic {other['bytes']};" in output
+    assert (
+        other["shading"] in ("quadratic", "quadratic-lights")
+        and other["bytes"] > found["bytes"] > found["state_bytes"] > 0
+    )
+    assert f"{found['bytes']} bytes as quadratic-specular, as {other['shading']} {other['bytes']};" in output
     assert f"; {found['triangles']} parts" in output
     assert f"error max {found['measured_max']:.2f}" in output
 
@@ -105,10 +110,11 @@ def test_scenes_without_cosines_are_drawn_in_colours_and_why_is_said(
 
 
 def test_a_pack_is_adaptive_too(tmp_path: Path) -> None:
-    arguments = ["pack", "sphere:168", "--size", "128x128", "-o", str(tmp_path / "a.qs"), "--max-error", "4"]
+    arguments = ["pack", "sphere:168", "--size", "128x128", "-o", str(tmp_path / "a.qs"), "--max-error", "9"]
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 0, result.output
-    assert "bytes as quadratic-specular, as quadratic " in result.output
+    # Without the power in the table there is little state.
+    assert "bytes as quadratic-lights, as quadratic" in result.output
 
 
 @pytest.mark.parametrize(

@@ -28,9 +28,15 @@ TABLE_ERROR = 0.04
 
 
 class CosineShader(Shader):
-    """For each light a diffuse and a specular cosine; their errors meet in the colour."""
+    """
+    For each light a diffuse and a specular channel; their errors meet in the colour.
+
+    With ``power`` the specular one is a cosine, and a table makes the power of it at the pixel. Without, it
+    carries the power, and the shade unit's state is a few words.
+    """
 
     shading = "quadratic-specular"
+    power = True
 
     def __init__(
         self,
@@ -48,12 +54,12 @@ class CosineShader(Shader):
         super().__init__(lights, material, formats, projected, measure, place)
         self.names = tuple(f"{kind}{index}" for kind in "ds" for index in range(count))
         self.strength = cosines(projected, self.pointed, self.material, POINTS)[2]
-        self.state = specular_state(formats, self.lights, self.material, self.strength)
+        self.state = specular_state(formats, self.lights, self.material, self.strength, power=self.power)
         # Output units that a channel's full value adds, (lights, 3), and the exponent.
         colours = light_colours(self.pointed, self.material, self.strength)
         self.diffuse, self.specular = (self.full * colour for colour in colours)
         self.ambient = self.full * ambient_colour(self.lights, self.material)
-        self.exponent = self.material.exponent
+        self.exponent = self.material.exponent if self.power else 1.0
         all_orders = len(self.orders) ** (2 * count)
         combinations = product(range(len(self.orders)), repeat=2 * count)
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
@@ -129,10 +135,12 @@ class CosineShader(Shader):
         """The cosines at points of triangles."""
         facing, towards, _ = cosines(projected, self.pointed, self.material, points, self.strength)
         facing, towards = facing.transpose(1, 0, 2), towards.transpose(1, 0, 2)
+        if not self.power:
+            towards = np.clip(towards, 0, 1) ** self.material.exponent
         norm = np.max if self.measure == "max" else np.linalg.norm
         scales = [norm(colours, axis=1)[:, None] for colours in (self.diffuse, self.specular)]
         shine = np.clip(towards, 0, 1) ** self.exponent
-        lit = (facing > 0) & (towards > 0)
+        lit = (facing > 0) & ((towards > 0) | (not self.power))
         slope = lit * self.exponent * np.clip(towards, 0, 1) ** (self.exponent - 1)
         counts = np.broadcast_to(used[:, None], facing.shape)
         return (
@@ -254,3 +262,10 @@ class CosineShader(Shader):
         halves = found["halves"]
         options = np.broadcast_to(found["options"][:, None, None], (*halves.shape, len(self.place)))
         return self._choose(halves, options, np.broadcast_to(goal[:, None, None], halves.shape[:3]))
+
+
+class LightShader(CosineShader):
+    """For each light its diffuse and its specular part: two channels where colours are three."""
+
+    shading = "quadratic-lights"
+    power = False

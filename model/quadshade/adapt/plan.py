@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from quadshade.adapt.choose import MEASURES, OUTPUT_ROUNDING, Decision, Goal, divide, settle
-from quadshade.adapt.cosine_shader import CosineShader
+from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.figures import core_clocks, error_figures, pixel_errors, state_bytes, stream_bytes
 from quadshade.adapt.shader import ColourShader, Shader, Surface
 from quadshade.engine import draw
@@ -22,7 +22,8 @@ from quadshade.shading.specular import specular_formats
 from quadshade.triangles import Pixels, ScreenTriangles
 
 UNITS = ("bytes", "clocks")
-SHADINGS = (ColourShader.shading, CosineShader.shading, "auto")
+SHADERS = {kind.shading: kind for kind in (ColourShader, CosineShader, LightShader)}
+SHADINGS = (*SHADERS, "auto")
 COLOURS = 3
 FITTED = ("num_channels", "with_shade", "num_specular")
 """Generics that are fitted to the lights where the core has no shade unit."""
@@ -54,12 +55,13 @@ class Adapted:
     estimated : float
       Error in output units against Phong shading, by that measure, the output's rounding included.
     shading : str
-      ``quadratic`` (red, green, blue) or ``quadratic-specular`` (diffuse and specular cosines).
+      ``quadratic`` (red, green, blue), ``quadratic-specular`` (diffuse and specular cosines) or
+      ``quadratic-lights`` (diffuse and specular parts).
     formats : Formats
       Of the core that draws it.
     rival : dict or None
-      Where both were tried, what is known of the other: ``shading``, and ``bytes`` and ``estimated_error``,
-      or ``reason``.
+      Where others were tried, what is known of the next best: ``shading``, and ``bytes`` and
+      ``estimated_error``, or the ``reason`` why it is none.
     """
 
     triangles: ScreenTriangles
@@ -269,8 +271,8 @@ def adapt(
       a budget: which shading is better is measured, not estimated.
     shading : str
       ``quadratic``: red, green and blue. ``quadratic-specular``: diffuse and specular cosines, the power at
-      every pixel. ``auto``: both are tried, and the one is taken that keeps the error in fewer bytes, or
-      whose error is less for the budget.
+      every pixel. ``quadratic-lights``: each light's diffuse and specular part. ``auto``: all are tried, and
+      the one is taken that keeps the error in fewest bytes, or whose error is least for the budget.
     specular : Formats, optional
       Of the core that draws cosines; by default ``formats``, fitted to the lights.
 
@@ -301,7 +303,7 @@ def adapt(
         )
     scene = projected, lights, material
     tried, reasons = [], {}
-    for kind in SHADINGS[:2] if shading == "auto" else (shading,):
+    for kind in SHADERS if shading == "auto" else (shading,):
         try:
             shader = _shader(kind, scene, formats, specular, measure)
             planner = Planner(projected, shader)
@@ -337,7 +339,7 @@ def _shader(
         if not given.get("with_shade"):
             given = {name: value for name, value in given.items() if name not in FITTED}
         specular = specular_formats(given, projected, lights, material)
-    return CosineShader(lights, material, specular, projected, measure)
+    return SHADERS[kind](lights, material, specular, projected, measure)
 
 
 def _for_error(planner: Planner, max_error: float, verify: bool) -> tuple[tuple, Plan]:

@@ -56,8 +56,8 @@ def adapt_options(command: Callable) -> Callable:
             type=float,
             metavar="GREY",
             help="Adaptive: the cheapest order of each channel and triangle, or division, for this error "
-            "against Phong shading, in grey levels; of colours or of cosines, whichever takes less, unless "
-            "--shading says (docs/adapt.md).",
+            "against Phong shading, in grey levels; of colours, cosines or parts of the light, whichever "
+            "takes least, unless --shading says (docs/adapt.md).",
         ),
         click.option(
             "--budget",
@@ -173,7 +173,7 @@ def adapt_note(adapted: Adapted) -> str:
     mix = adapted.mix()
     orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
     powers = sum(mix["specular_by_order"].values()) - mix["specular_by_order"]["constant"]
-    if adapted.shading != ADAPTIVE_SHADINGS[0]:
+    if adapted.shading == ADAPTIVE_SHADINGS[1]:
         orders += f", {powers} with a power"
     return (
         f"{size} bytes as {adapted.shading}{other}; {mix['triangles']} parts ({orders}), "

@@ -10,13 +10,21 @@ function.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from quadshade.errors import QuadshadeError
 from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
 from quadshade.scene.project import Projected
-from quadshade.setup.shade_state import COEFFICIENT_LIMIT, Curve, ShadeState, power_curve, shade_state
+from quadshade.setup.shade_state import (
+    COEFFICIENT_LIMIT,
+    Curve,
+    ShadeState,
+    power_curve,
+    shade_state,
+    specular_gain,
+)
 from quadshade.shading.lights import AmbientLight, Light, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
@@ -186,6 +194,7 @@ def specular_state(
     material: Material,
     strength: np.ndarray,
     curves: tuple[Curve, Curve] | None = None,
+    power: bool = True,
 ) -> ShadeState:
     """
     Colours and tables of the shade unit for a scene.
@@ -200,6 +209,8 @@ def specular_state(
       From :func:`cosines`.
     curves : two callables, optional
       As for :func:`sample_specular`.
+    power : bool
+      Without it specular channels skip their tables: they carry the power itself.
 
     Returns
     -------
@@ -223,7 +234,14 @@ def specular_state(
     else:
         tables = [curves[0]] * first_specular + [curves[1]] * others
     gated = (1 << len(pointed)) - 1 if curves is None else 0
-    return shade_state(formats, ambient_colour(lights, material), coefficients, tables, gated)
+    if not power:
+        # A value of 1 is the lane's largest; that of a table, or of a diffuse channel, is a little less.
+        coefficients[first_specular:] /= specular_gain(formats)
+    state = shade_state(formats, ambient_colour(lights, material), coefficients, tables, gated)
+    if power:
+        return state
+    nothing = np.zeros((formats.num_specular, 0), dtype=np.uint32)
+    return replace(state, tables=nothing, linear=(1 << formats.num_specular) - 1)
 
 
 def ambient_colour(lights: Sequence[Light], material: Material) -> np.ndarray:
