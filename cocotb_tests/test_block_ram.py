@@ -23,6 +23,7 @@ class Config:
     num_words: int = 512
     data_bits: int = 16
     bank_words: int = 16384
+    read_stages: int = 2
 
 
 CONFIGS = [
@@ -32,6 +33,8 @@ CONFIGS = [
     Config(num_words=5, data_bits=1),
     Config(num_words=385, bank_words=128),
     Config(num_words=512, bank_words=64, data_bits=3),
+    Config(num_words=385, bank_words=128, read_stages=3),
+    Config(num_words=300, data_bits=1, read_stages=3),
 ]
 
 
@@ -47,7 +50,7 @@ async def every_cycle(dut: Any, speed: str) -> None:
     config = bench.config
     await bench.start(*PORTS, reset=False)
     go = SPEEDS[speed](bench.draw)
-    model = BlockRam()
+    model = BlockRam(config.read_stages)
     # Every word once, in a random order; then everything at random, often where something was just written.
     order = bench.rng.permutation(config.num_words).tolist()
     recent = 0

@@ -25,8 +25,10 @@ INPUTS = (
     "kept_ready",
     *(f"pixel_{name}" for name in PIXEL),
 )
-LATENCY = 6
+LATENCY = 7
 """Clocks from a pixel's acceptance to the clock in which it stands at the output."""
+READ_STAGES = 3
+"""Enabled clocks from an address to its depth."""
 
 Pixel = tuple[int, int, int, int]
 
@@ -106,15 +108,15 @@ async def look_at_all(screen: Screen, go: Iterator[bool]) -> None:
     bench, dut, model = screen.bench, screen.bench.dut, screen.model
     bench.check("idle", bool(dut.idle.value), True)
     dut.look.value, asked = 1, []
-    while len(asked) < len(model.stored) + 2:
+    while len(asked) < len(model.stored) + READ_STAGES:
         moves = next(go)
         address = len(asked) if len(asked) < len(model.stored) else bench.draw.randrange(len(model.stored))
         dut.look_enable.value, dut.look_address.value = int(moves), address
         await bench.edge()
         bench.check("pixel_ready while looking", bool(dut.pixel_ready.value), False)
-        if len(asked) >= 2:
-            depth = min(model.stored[asked[-2]], (1 << bench.config.depth_bits) - 1)
-            bench.check("depth that is looked at", int(dut.look_depth.value), depth, asked[-2])
+        if len(asked) >= READ_STAGES:
+            depth = min(model.stored[asked[-READ_STAGES]], (1 << bench.config.depth_bits) - 1)
+            bench.check("depth that is looked at", int(dut.look_depth.value), depth, asked[-READ_STAGES])
         if moves:
             asked.append(address)
     dut.look.value = 0

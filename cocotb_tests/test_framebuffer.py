@@ -33,12 +33,14 @@ class Config:
     height: int = 12
     coord_bits: int = 6
     value_bits: int = 24
+    single_port: int = 0
 
 
 CONFIGS = [
     Config(),
     Config(width=8, height=8, coord_bits=3, value_bits=1),
     Config(width=1, height=1, value_bits=8),
+    Config(value_bits=8, single_port=1),
 ]
 
 
@@ -59,7 +61,8 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
     model = Framebuffer(config.width, config.height)
     # Pixels are readable three cycles after they are accepted; one being written may read as anything.
     coming: deque[list[tuple[int, int, int]]] = deque([[], []])
-    fetched, shown = None, None
+    # The read port's registers, the last one shown.
+    fetched = [None] * (3 - config.single_port)
     busy = words
     for index in range(words + 1600):
         offered = None
@@ -84,13 +87,15 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
         await bench.edge()
         bench.check("busy", bool(dut.busy.value), busy > 0, index)
         bench.check("pixel_ready", bool(dut.pixel_ready.value), busy == 0, index)
-        if shown is not None:
-            bench.check("read_value", int(dut.read_value.value), shown, index)
+        if fetched[-1] is not None:
+            bench.check("read_value", int(dut.read_value.value), fetched[-1], index)
         written = coming.popleft()
         if look:
-            shown, fetched = fetched, model.words[address]
+            fetched = [model.words[address], *fetched[:-1]]
             if busy > 0 or any(y * config.width + x == address for x, y, _ in written):
-                fetched = None
+                fetched[0] = None
+        if config.single_port and (busy > 0 or any(x < config.width and y < config.height for x, y, _ in written)):
+            fetched[0] = None
         for pixel in written:
             model.write(*pixel)
         coming.append([tuple(offered)] if offered is not None and busy == 0 else [])

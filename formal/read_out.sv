@@ -7,7 +7,8 @@ module read_out_properties #(
   parameter width = 3,
   parameter height = 2,
   parameter coord_bits = 2,
-  parameter num_channels = 1
+  parameter num_channels = 1,
+  parameter read_stages = 3
 ) (
   input clk,
   input reset,
@@ -38,11 +39,9 @@ module read_out_properties #(
   (* hierconn *) wire \dut.starting ;
   (* hierconn *) wire \dut.running ;
   (* hierconn *) wire \dut.advance ;
-  (* hierconn *) wire \dut.valid_2 ;
-  (* hierconn *) wire \dut.valid_3 ;
+  (* hierconn *) wire [read_stages - 1:0] \dut.valids ;
   (* hierconn *) wire \dut.last_1 ;
-  (* hierconn *) wire \dut.last_2 ;
-  (* hierconn *) wire \dut.last_3 ;
+  (* hierconn *) wire [read_stages - 1:0] \dut.lasts ;
   (* hierconn *) wire [address_bits - 1:0] \dut.row ;
   (* hierconn *) wire [address_bits - 1:0] \dut.first ;
   (* hierconn *) wire [address_bits - 1:0] \dut.address ;
@@ -76,7 +75,8 @@ module read_out_properties #(
     if (reset) active <= 0;
   end
 
-  wire idle = !active && !\dut.valid_2 && !\dut.valid_3 && !pixel_valid;
+  wire idle = !active && \dut.valids == 0 && !pixel_valid;
+  integer stage;
   always @* begin
     // An area is walked from its acceptance to its last pixel, by addresses that are on the screen.
     assert (active == (\dut.starting || \dut.running ));
@@ -97,20 +97,20 @@ module read_out_properties #(
       assert (\dut.last_1 == last);
     end
     // One last pixel, the one in front of which all others are.
-    if ((\dut.valid_2 && \dut.last_2 ) || (\dut.valid_3 && \dut.last_3 )) assert (!active);
-    if (\dut.valid_3 && \dut.last_3 ) assert (!\dut.valid_2 );
-    if (!active && \dut.valid_2 ) assert (\dut.last_2 );
-    if (!active && !\dut.valid_2 && \dut.valid_3 ) assert (\dut.last_3 );
+    for (stage = 0; stage < read_stages; stage = stage + 1) begin
+      if (\dut.valids [stage] && \dut.lasts [stage]) assert (!active && \dut.valids >> (stage + 1) == 0);
+      if (!active && \dut.valids [stage] && \dut.valids >> (stage + 1) == 0) assert (\dut.lasts [stage]);
+    end
   end
 
-  // Two enabled cycles from an address to its value; a value that waits is the memory's, unchanged.
-  reg stepped_2 = 0, stepped_3 = 0;
+  // read_stages enabled cycles from an address to its value; a value that waits is the memory's, unchanged.
+  reg [read_stages - 1:0] stepped = 0;
   always @(posedge clk) begin
-    if (\dut.advance ) {stepped_2, stepped_3} <= {\dut.running , stepped_2};
-    if (reset) {stepped_2, stepped_3} <= 0;
+    if (\dut.advance ) stepped <= {\dut.running , stepped} >> 1;
+    if (reset) stepped <= 0;
   end
-  always @* assert (\dut.valid_2 == stepped_2 && \dut.valid_3 == stepped_3);
-  always @* assert (\dut.emitted == {\dut.last_3 , read_value});
+  always @* assert (\dut.valids == stepped);
+  always @* assert (\dut.emitted == {\dut.lasts [0], read_value});
 
   // AXI4-Stream: a shown pixel stays until it is taken.
   reg held = 0, refuses = 0;

@@ -3,8 +3,9 @@
 -- Memory of a write and a read port, in a form that GHDL and Yosys map to block RAM of ECP5 and iCE40. No
 -- initial contents; what is read in the clock in which the same word is written is undefined.
 --
--- Model: block_ram.py.  Test: test_block_ram.py.  Latency: 2 enabled cycles.  A word in and out per cycle.
--- The second register stands behind the multiplexer of a memory of many blocks: 100 MHz needs it there.
+-- Model: block_ram.py.  Test: test_block_ram.py.  Latency: read_stages enabled cycles.  A word in and out per
+-- cycle. A memory of many blocks needs three at 100 MHz: a block's word comes late in the cycle, its register
+-- stands beside it, and behind the multiplexer of all banks stands the last one.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -18,7 +19,9 @@ entity block_ram is
     data_bits : positive := 16;
     -- What a block RAM of ECP5 holds a bit wide: of banks of that size no multiplexer has more than a few
     -- inputs, where blocks of fewer words and more bits would need one as deep as the memory.
-    bank_words : positive := 16384
+    bank_words : positive := 16384;
+    -- 2: the block's own register and that behind the banks; 3: one of each bank between them.
+    read_stages : positive := 2
   );
   port (
     clk : in std_ulogic;
@@ -26,7 +29,7 @@ entity block_ram is
     -- Both addresses are below num_words.
     write_address : in u_unsigned(address_bits(num_words) - 1 downto 0);
     write_data : in std_ulogic_vector(data_bits - 1 downto 0);
-    -- Moves both registers of the read port.
+    -- Moves all registers of the read port.
     read_enable : in std_ulogic;
     read_address : in u_unsigned(address_bits(num_words) - 1 downto 0);
     read_data : out std_ulogic_vector(data_bits - 1 downto 0)
@@ -53,10 +56,10 @@ architecture rtl of block_ram is
 
   subtype bank_t is natural range 0 to num_banks - 1;
   type fetched_t is array (bank_t) of std_ulogic_vector(data_bits - 1 downto 0);
-  signal fetched : fetched_t;
+  signal fetched, banked : fetched_t;
   signal read_reg : std_ulogic_vector(data_bits - 1 downto 0);
-  -- The bank of what is fetched.
-  signal bank_read : bank_t := 0;
+  -- The bank of what is fetched; that of what goes to the last register.
+  signal bank_read, bank_shown : bank_t := 0;
 
   function bank_of(address : u_unsigned) return bank_t is
   begin
@@ -90,12 +93,33 @@ begin
     end process;
   end generate;
 
+  assert read_stages = 2 or read_stages = 3
+    report "block_ram: read_stages is " & integer'image(read_stages) & ", must be 2 or 3"
+    severity failure;
+
+  two_gen : if read_stages = 2 generate
+    banked <= fetched;
+    bank_shown <= bank_read;
+  end generate;
+
+  three_gen : if read_stages = 3 generate
+    banks : process (clk)
+    begin
+      if rising_edge(clk) then
+        if read_enable = '1' then
+          banked <= fetched;
+          bank_shown <= bank_read;
+        end if;
+      end if;
+    end process;
+  end generate;
+
   output : process (clk)
   begin
     if rising_edge(clk) then
       if read_enable = '1' then
         bank_read <= bank_of(read_address);
-        read_reg <= fetched(bank_read);
+        read_reg <= banked(bank_shown);
       end if;
     end if;
   end process;

@@ -148,7 +148,9 @@ architecture rtl of command_decoder is
   signal ack_number, nak_number, nak_reason, reply_code, reply_number : byte_t := (others => '0');
   signal new_step, step : u_unsigned(phase_bits - 1 downto 0) := to_unsigned(default_phase_step, phase_bits);
   signal step_due : std_ulogic := '0';
+  -- The room that the host was told, and what became free since, a cycle late.
   signal free_told : u_unsigned(free_bits - 1 downto 0) := to_unsigned(fifo_words, free_bits);
+  signal freed : u_signed(free_bits downto 0) := (others => '0');
   signal answer_valid, answer_ready, result_due, result_taken, word_taken : std_ulogic;
   signal chosen_code, chosen_number, chosen_reason, sent_code, sent_reason : byte_t := (others => '0');
   signal chosen_words, word_index : u_unsigned(5 downto 0);
@@ -320,11 +322,13 @@ begin
           step_due <= '1';
         end if;
       end if;
+      freed <= signed('0' & free) - signed('0' & free_told);
       if word_taken = '1' and word_index = 0 then
         free_told <= free;
+        freed <= (others => '0');
       end if;
       -- Credits that became free meanwhile, in quarters: else a host that has none would wait.
-      if free >= free_told and free - free_told >= fifo_words / 4 then
+      if freed >= fifo_words / 4 then
         ack_due <= '1';
         ack_number <= std_ulogic_vector(unsigned(expected) - 1);
       end if;
@@ -351,6 +355,7 @@ begin
         nak_due <= '0';
         step_due <= '0';
         free_told <= to_unsigned(fifo_words, free_bits);
+        freed <= (others => '0');
       end if;
       if request = '1' then
         reply_due <= '1';

@@ -4,8 +4,8 @@
 -- near ones the first stays. A pixel outside the screen is dropped.
 --
 -- Model: depth_test.py.  Test: test_depth_test.py.
--- Latency: 6 cycles.  One pixel per cycle, whatever places follow each other: a pixel is compared with the
--- three ahead of it, whose depths are not yet in the memory, on its way.
+-- Latency: 7 cycles.  One pixel per cycle, whatever places follow each other: a pixel is compared with the
+-- four ahead of it, whose depths are not yet in the memory, on its way.
 -- Clear: width * height + 1 cycles once the pixels ahead have left. Generation bits that spare most fills
 -- were weighed: two bits a word more, and a fill of 320 x 240 is 0.8 ms at 100 MHz, where a serial line of
 -- 1 Mbaud needs half a second for a scene.  Depths are read, instead of new pixels, while it is idle.
@@ -44,8 +44,8 @@ entity depth_test is
 
     -- No pixel is on its way, no clear in progress.
     idle : out std_ulogic;
-    -- Takes no pixels; while idle too, an address gives its depth, the greatest where nothing was drawn, two
-    -- cycles with look_enable later.
+    -- Takes no pixels; while idle too, an address gives its depth, the greatest where nothing was drawn,
+    -- three cycles with look_enable later.
     look : in std_ulogic;
     look_enable : in std_ulogic;
     look_address : in u_unsigned(address_bits(width * height) - 1 downto 0);
@@ -72,22 +72,22 @@ architecture rtl of depth_test is
   subtype depth_t is u_unsigned(depth_bits - 1 downto 0);
   subtype pixel_t is u_unsigned(pixel_bits - 1 downto 0);
 
-  -- Numbered by stage: row of the pixel, its address, twice the memory's registers, kept or not.
-  signal valid_1, valid_2, valid_3, valid_4 : std_ulogic := '0';
-  signal pixel_1, pixel_2, pixel_3, pixel_4, pixel_5 : pixel_t := (others => '0');
-  signal depth_1, depth_2, depth_3, depth_4, depth_5 : depth_t := (others => '0');
-  signal row_1, address_2, address_3, address_4, address_5 : address_t := (others => '0');
-  -- The pixel in stage 5 is kept: its depth is being written.
-  signal kept_5 : std_ulogic := '0';
+  -- Numbered by stage: row of the pixel, its address, thrice the memory's registers, kept or not.
+  signal valid_1, valid_2, valid_3, valid_4, valid_5 : std_ulogic := '0';
+  signal pixel_1, pixel_2, pixel_3, pixel_4, pixel_5, pixel_6 : pixel_t := (others => '0');
+  signal depth_1, depth_2, depth_3, depth_4, depth_5, depth_6 : depth_t := (others => '0');
+  signal row_1, address_2, address_3, address_4, address_5, address_6 : address_t := (others => '0');
+  -- The pixel in stage 6 is kept: its depth is being written.
+  signal kept_6 : std_ulogic := '0';
 
   -- Since the read began this was written at the pixel's place.
-  signal passed_3, passed_4 : std_ulogic := '0';
-  signal passed_depth_3, passed_depth_4 : depth_t := (others => '0');
-  -- The pixel in stage 4 has the place of the one in stage 5.
-  signal same_4 : std_ulogic := '0';
+  signal passed_3, passed_4, passed_5 : std_ulogic := '0';
+  signal passed_depth_3, passed_depth_4, passed_depth_5 : depth_t := (others => '0');
+  -- The pixel in stage 5 has the place of the one in stage 6.
+  signal same_5 : std_ulogic := '0';
 
   signal place : u_unsigned(2 * coord_bits - 1 downto 0);
-  signal passed_now_2, passed_now_3, nearer : std_ulogic;
+  signal passed_now_2, passed_now_3, passed_now_4, nearer : std_ulogic;
   signal stored : u_unsigned(stored_bits - 1 downto 0);
   signal read_data, write_data : std_ulogic_vector(stored_bits - 1 downto 0);
   signal write_enable : std_ulogic;
@@ -126,37 +126,43 @@ begin
         address_3 <= address_2;
         address_4 <= address_3;
         address_5 <= address_4;
+        address_6 <= address_5;
       end if;
     end if;
   end process;
 
-  passed_now_2 <= '1' when kept_5 = '1' and address_2 = address_5 else '0';
-  passed_now_3 <= '1' when kept_5 = '1' and address_3 = address_5 else '0';
+  passed_now_2 <= '1' when kept_6 = '1' and address_2 = address_6 else '0';
+  passed_now_3 <= '1' when kept_6 = '1' and address_3 = address_6 else '0';
+  passed_now_4 <= '1' when kept_6 = '1' and address_4 = address_6 else '0';
 
   hazards : process (clk)
   begin
     if rising_edge(clk) then
       if advance = '1' then
         passed_3 <= passed_now_2;
-        passed_depth_3 <= depth_5;
+        passed_depth_3 <= depth_6;
         passed_4 <= passed_3 or passed_now_3;
+        passed_depth_4 <= passed_depth_3;
         if passed_now_3 = '1' then
-          passed_depth_4 <= depth_5;
-        else
-          passed_depth_4 <= passed_depth_3;
+          passed_depth_4 <= depth_6;
         end if;
-        same_4 <= '0';
-        if address_3 = address_4 then
-          same_4 <= '1';
+        passed_5 <= passed_4 or passed_now_4;
+        passed_depth_5 <= passed_depth_4;
+        if passed_now_4 = '1' then
+          passed_depth_5 <= depth_6;
+        end if;
+        same_5 <= '0';
+        if address_4 = address_5 then
+          same_5 <= '1';
         end if;
       end if;
     end if;
   end process;
 
-  stored <= '0' & depth_5 when same_4 = '1' and kept_5 = '1'
-    else '0' & passed_depth_4 when passed_4 = '1'
+  stored <= '0' & depth_6 when same_5 = '1' and kept_6 = '1'
+    else '0' & passed_depth_5 when passed_5 = '1'
     else unsigned(read_data);
-  nearer <= '1' when '0' & depth_4 < stored else '0';
+  nearer <= '1' when '0' & depth_5 < stored else '0';
 
   pipeline : process (clk)
   begin
@@ -166,29 +172,33 @@ begin
         valid_2 <= valid_1;
         valid_3 <= valid_2;
         valid_4 <= valid_3;
-        kept_5 <= valid_4 and nearer;
+        valid_5 <= valid_4;
+        kept_6 <= valid_5 and nearer;
         pixel_1 <= pixel_value & place;
         pixel_2 <= pixel_1;
         pixel_3 <= pixel_2;
         pixel_4 <= pixel_3;
         pixel_5 <= pixel_4;
+        pixel_6 <= pixel_5;
         depth_1 <= pixel_depth;
         depth_2 <= depth_1;
         depth_3 <= depth_2;
         depth_4 <= depth_3;
         depth_5 <= depth_4;
+        depth_6 <= depth_5;
       end if;
       if reset = '1' then
         valid_1 <= '0';
         valid_2 <= '0';
         valid_3 <= '0';
         valid_4 <= '0';
-        kept_5 <= '0';
+        valid_5 <= '0';
+        kept_6 <= '0';
       end if;
     end if;
   end process;
 
-  emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or kept_5 or shown_valid);
+  emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or valid_5 or kept_6 or shown_valid);
 
   clear_inst : entity work.memory_clear
     generic map (num_words => num_words)
@@ -206,26 +216,26 @@ begin
     else unsigned(read_data(depth_bits - 1 downto 0));
 
   -- A stalled pixel is written again and again, the same each time.
-  write_enable <= kept_5 or filling;
-  write_address <= fill_address when filling = '1' else address_5;
+  write_enable <= kept_6 or filling;
+  write_address <= fill_address when filling = '1' else address_6;
   write_data(stored_bits - 1) <= filling;
-  write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_5);
+  write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_6);
 
   memory_inst : entity work.block_ram
-    generic map (num_words => num_words, data_bits => stored_bits)
+    generic map (num_words => num_words, data_bits => stored_bits, read_stages => 3)
     port map (
       clk => clk,
       write_enable => write_enable, write_address => write_address, write_data => write_data,
       read_enable => read_enable, read_address => read_address, read_data => read_data
     );
 
-  emitted <= std_ulogic_vector(depth_5 & pixel_5);
+  emitted <= std_ulogic_vector(depth_6 & pixel_6);
 
   output_inst : entity work.skid_buffer
     generic map (data_bits => pixel_bits + depth_bits)
     port map (
       clk => clk, reset => reset,
-      input_valid => kept_5, input_ready => advance, input_data => emitted,
+      input_valid => kept_6, input_ready => advance, input_data => emitted,
       output_valid => shown_valid, output_ready => kept_ready, output_data => shown
     );
 

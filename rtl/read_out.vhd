@@ -4,8 +4,8 @@
 -- zlib.crc32 of the picture's): `count` pixels from (x, y) on, `width` to a scanline, down to the last.
 --
 -- Model: read_out.py.  Test: test_read_out.py.
--- Latency: 5 cycles from an area to its first pixel.  One pixel per cycle; the next area is taken once the
--- last pixel was.
+-- Latency: read_stages + 3 cycles from an area to its first pixel.  One pixel per cycle; the next
+-- area is taken once the last pixel was.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -21,7 +21,9 @@ entity read_out is
     -- A channel is a byte.
     num_channels : positive := 3;
     -- 0: area_count is not looked at; the area ends with the screen, or by reset.
-    with_count : natural := 1
+    with_count : natural := 1;
+    -- Enabled cycles from an address to its value.
+    read_stages : positive := 3
   );
   port (
     clk : in std_ulogic;
@@ -36,7 +38,7 @@ entity read_out is
     -- The cycle after an area was taken that is empty or not within the screen's columns: it gives no pixel.
     refused : out std_ulogic;
 
-    -- To the framebuffer: an address, and its value two enabled cycles later.
+    -- To the framebuffer: an address, and its value read_stages enabled cycles later.
     read_enable : out std_ulogic;
     read_address : out u_unsigned(address_bits(width * height) - 1 downto 0);
     read_value : in u_unsigned(8 * num_channels - 1 downto 0);
@@ -65,20 +67,27 @@ architecture rtl of read_out is
   signal rows_left : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
   signal count_left : u_unsigned(address_width downto 0) := (others => '0');
 
-  -- Stages of a pixel: address, twice the memory's registers.
-  signal valid_2, valid_3, last_2, last_3 : std_ulogic := '0';
+  -- Stages of a pixel: address, the memory's registers. A pixel is there; it is the last one.
+  signal valids, lasts : std_ulogic_vector(2 to read_stages + 1) := (others => '0');
+  signal read_valid, read_last, reading : std_ulogic;
   signal line_end, last_1, advance, accept, fits, summed : std_ulogic;
   signal emitted, shown : std_ulogic_vector(8 * num_channels downto 0);
   signal shown_valid, idle : std_ulogic;
 
 begin
 
+  assert read_stages >= 2
+    report "read_out: read_stages is " & integer'image(read_stages) & ", must be at least 2"
+    severity failure;
   assert width <= 2**coord_bits and height <= 2**coord_bits
     report "read_out: the screen is " & integer'image(width) & " by " & integer'image(height)
       & ", coord_bits = " & integer'image(coord_bits) & " allow " & integer'image(2**coord_bits)
     severity failure;
 
-  idle <= not (starting or running or valid_2 or valid_3 or shown_valid);
+  reading <= or valids;
+  read_valid <= valids(read_stages + 1);
+  read_last <= lasts(read_stages + 1);
+  idle <= not (starting or running or reading or shown_valid);
   area_ready <= idle;
   accept <= area_valid and idle;
   fits <= '1' when area_width /= 0 and area_count /= 0
@@ -125,16 +134,13 @@ begin
         end if;
       end if;
       if advance = '1' then
-        valid_2 <= running;
-        last_2 <= last_1;
-        valid_3 <= valid_2;
-        last_3 <= last_2;
+        valids <= running & valids(2 to read_stages);
+        lasts <= last_1 & lasts(2 to read_stages);
       end if;
       if reset = '1' then
         starting <= '0';
         running <= '0';
-        valid_2 <= '0';
-        valid_3 <= '0';
+        valids <= (others => '0');
         refused_reg <= '0';
       end if;
     end if;
@@ -143,8 +149,8 @@ begin
   refused <= refused_reg;
   read_enable <= advance;
   read_address <= address;
-  emitted <= last_3 & std_ulogic_vector(read_value);
-  summed <= valid_3 and advance;
+  emitted <= read_last & std_ulogic_vector(read_value);
+  summed <= read_valid and advance;
 
   crc_inst : entity work.crc32
     generic map (num_bytes => num_channels)
@@ -158,7 +164,7 @@ begin
     generic map (data_bits => 8 * num_channels + 1)
     port map (
       clk => clk, reset => reset,
-      input_valid => valid_3, input_ready => advance, input_data => emitted,
+      input_valid => read_valid, input_ready => advance, input_data => emitted,
       output_valid => shown_valid, output_ready => pixel_ready, output_data => shown
     );
 

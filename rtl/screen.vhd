@@ -6,7 +6,7 @@
 -- For edges the whole frame passes edge_map: width * (height + 1) cycles, where a line needs a million.
 --
 -- Model: screen.py.  Test: test_screen.py.
--- Latency: 12 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
+-- Latency: 13 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -233,7 +233,8 @@ begin
 
   area_inst : entity work.read_out
     generic map (
-      width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0
+      width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0,
+      read_stages => 3 - single_port_memory
     )
     port map (
       clk => clk, reset => reader_reset,

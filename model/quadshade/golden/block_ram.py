@@ -6,20 +6,29 @@ from __future__ import annotations
 
 class BlockRam:
     """
-    Memory without initial contents, read through two registers.
+    Memory without initial contents, read through registers.
+
+    Parameters
+    ----------
+    read_stages : int
+      Registers of the read port.
 
     Attributes
     ----------
     words : dict of int
       By address; what was never written is not there.
-    fetched, read_data : int or None
-      The read port's registers; None where the word is undefined.
+    fetched : list of int or None
+      The read port's registers, the first one first; None where the word is undefined.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, read_stages: int = 2) -> None:
         self.words: dict[int, int] = {}
-        self.fetched: int | None = None
-        self.read_data: int | None = None
+        self.fetched: list[int | None] = [None] * read_stages
+
+    @property
+    def read_data(self) -> int | None:
+        """The last register."""
+        return self.fetched[-1]
 
     def clock(self, write: tuple[int, int] | None, read_address: int | None) -> None:
         """
@@ -33,8 +42,7 @@ class BlockRam:
           None if the read port is not enabled.
         """
         if read_address is not None:
-            self.read_data = self.fetched
             collides = write is not None and write[0] == read_address
-            self.fetched = None if collides else self.words.get(read_address)
+            self.fetched = [None if collides else self.words.get(read_address), *self.fetched[:-1]]
         if write is not None:
             self.words[write[0]] = write[1]

@@ -29,4 +29,4 @@ class SinglePortRam(BlockRam):
         """
         super().clock(write, read_address)
         if write is not None:
-            self.fetched = None
+            self.fetched[0] = None
