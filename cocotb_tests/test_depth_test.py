@@ -108,6 +108,7 @@ async def look_at_all(screen: Screen, go: Iterator[bool]) -> None:
     bench, dut, model = screen.bench, screen.bench.dut, screen.model
     bench.check("idle", bool(dut.idle.value), True)
     dut.look.value, asked = 1, []
+    await bench.edge()
     while len(asked) < len(model.stored) + READ_STAGES:
         moves = next(go)
         address = len(asked) if len(asked) < len(model.stored) else bench.draw.randrange(len(model.stored))

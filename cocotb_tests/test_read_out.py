@@ -151,7 +151,7 @@ async def reset_ends_an_area(dut: Any) -> None:
         bench.check("area_ready after reset", bool(dut.area_ready.value), True, waits)
     reader.sink.words, reader.sink.go = [], full_speed(bench.draw)
     await reader.read(Area(0, 0, 2, 2))
-    for _ in range(LATENCY + 5):
+    for _ in range(config.read_stages + BEHIND + 5):
         await reader.cycle()
     bench.check("pixels after reset", [word for word, _ in reader.sink.words], reader.words[:2])
     bench.finish(at_least=17)

@@ -95,6 +95,8 @@ architecture rtl of frame_receiver is
 
   -- One cycle after the frame's end.
   signal ended, good_cobs, good_size, good_crc, good_length : std_ulogic := '0';
+  -- Of the header and the payload's last word, which stand long before the frame's end.
+  signal known, good_payload, reads, sums, bad_rate : std_ulogic := '0';
   signal next_number, previous : u_unsigned(7 downto 0) := (others => '0');
 
   -- A payload of the length that its opcode has.
@@ -216,6 +218,29 @@ begin
   argument <= last_word;
   expected <= std_ulogic_vector(next_number);
 
+  fields : process (clk)
+    variable code : std_ulogic_vector(7 downto 0);
+  begin
+    if rising_edge(clk) then
+      code := header(7 downto 0);
+      known <= is_request(code);
+      good_payload <= fits(code, length);
+      reads <= '0';
+      if code = opcode_read then
+        reads <= '1';
+      end if;
+      sums <= '0';
+      if code = opcode_frame_crc then
+        sums <= '1';
+      end if;
+      -- A rate of at most a bit in four clocks, and of more than none.
+      bad_rate <= '0';
+      if code = opcode_baud and (unsigned(last_word) = 0 or unsigned(last_word) > 2 ** (phase_bits - 2)) then
+        bad_rate <= '1';
+      end if;
+    end if;
+  end process;
+
   judge : process (clk)
     variable code : std_ulogic_vector(7 downto 0);
     variable got, behind : u_unsigned(7 downto 0);
@@ -242,17 +267,7 @@ begin
       sequenced := code(4);
       got := unsigned(header(15 downto 8));
       behind := next_number - got;
-      bad_field := '0';
-      if code = opcode_read and good_area = '0' then
-        bad_field := '1';
-      end if;
-      if (code = opcode_read or code = opcode_frame_crc) and good_plane = '0' then
-        bad_field := '1';
-      end if;
-      -- A rate of at most a bit in four clocks, and of more than none.
-      if code = opcode_baud and (unsigned(last_word) = 0 or unsigned(last_word) > 2 ** (phase_bits - 2)) then
-        bad_field := '1';
-      end if;
+      bad_field := (reads and not good_area) or ((reads or sums) and not good_plane) or bad_rate;
 
       why := reason_none;
       if ended = '1' then
@@ -266,10 +281,10 @@ begin
         elsif good_length = '0' then
           count_bad_length <= '1';
           why := reason_bad_length;
-        elsif is_request(code) = '0' then
+        elsif known = '0' then
           count_refused <= '1';
           why := reason_unknown_opcode;
-        elsif fits(code, length) = '0' then
+        elsif good_payload = '0' then
           count_bad_length <= '1';
           why := reason_bad_length;
         elsif bad_field = '1' then
