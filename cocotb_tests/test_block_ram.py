@@ -33,6 +33,7 @@ CONFIGS = [
     Config(num_words=5, data_bits=1),
     Config(num_words=385, bank_words=128),
     Config(num_words=512, bank_words=64, data_bits=3),
+    Config(num_words=375, bank_words=64, read_stages=3),
     Config(num_words=385, bank_words=128, read_stages=3),
     Config(num_words=300, data_bits=1, read_stages=3),
 ]

@@ -17,8 +17,8 @@ entity block_ram is
   generic (
     num_words : positive := 512;
     data_bits : positive := 16;
-    -- What a block RAM of ECP5 holds a bit wide: of banks of that size no multiplexer has more than a few
-    -- inputs, where blocks of fewer words and more bits would need one as deep as the memory.
+    -- What a block RAM of ECP5 holds a bit wide. A memory is made of banks of that size, and of halves of it
+    -- for what is left, so that every bank is as deep as its blocks and has no multiplexer of its own.
     bank_words : positive := 16384;
     -- 2: the block's own register and that behind the banks; 3: one of each bank between them.
     read_stages : positive := 2
@@ -38,21 +38,33 @@ end entity;
 
 architecture rtl of block_ram is
 
-  constant num_banks : positive := (num_words + bank_words - 1) / bank_words;
-  constant bank_bits : positive := address_bits(bank_words);
+  constant least_words : positive := maximum(bank_words / 16, 1);
 
-  -- Of the last bank what is left; GHDL synthesises no memory of one word.
-  function words_of(bank : natural) return positive is
-    variable count : positive := bank_words;
+  -- Words of the bank that begins with `rest` words left: a power of two, but for a small last one.
+  function words_of(rest : positive) return positive is
+    variable words : positive := bank_words;
   begin
-    if bank = num_banks - 1 then
-      count := num_words - bank * bank_words;
+    if rest <= least_words then
+      return rest;
     end if;
-    if count < 2 then
-      return 2;
-    end if;
-    return count;
+    while words > rest loop
+      words := words / 2;
+    end loop;
+    return words;
   end function;
+
+  function count_banks return positive is
+    variable rest : natural := num_words;
+    variable banks : natural := 0;
+  begin
+    while rest > 0 loop
+      rest := rest - words_of(rest);
+      banks := banks + 1;
+    end loop;
+    return banks;
+  end function;
+
+  constant num_banks : positive := count_banks;
 
   subtype bank_t is natural range 0 to num_banks - 1;
   type fetched_t is array (bank_t) of std_ulogic_vector(data_bits - 1 downto 0);
@@ -61,23 +73,42 @@ architecture rtl of block_ram is
   -- The bank of what is fetched; that of what goes to the last register.
   signal bank_read, bank_shown : bank_t := 0;
 
-  function bank_of(address : u_unsigned) return bank_t is
+  -- First words of the banks, and their end. Each first word is a multiple of its bank's size.
+  type bases_t is array (0 to num_banks) of natural;
+
+  function find_bases return bases_t is
+    variable bases : bases_t := (others => 0);
   begin
-    if num_banks = 1 then
-      return 0;
-    end if;
-    return to_integer(shift_right(address, bank_bits));
+    for bank in bank_t loop
+      bases(bank + 1) := bases(bank) + words_of(num_words - bases(bank));
+    end loop;
+    return bases;
+  end function;
+
+  constant bases : bases_t := find_bases;
+
+  function bank_of(address : u_unsigned) return bank_t is
+    variable found : bank_t := 0;
+  begin
+    for bank in 1 to num_banks - 1 loop
+      if address >= bases(bank) then
+        found := bank;
+      end if;
+    end loop;
+    return found;
   end function;
 
 begin
 
-  assert 2**bank_bits = bank_words
+  assert 2**address_bits(bank_words) = bank_words
     report "block_ram: bank_words is " & integer'image(bank_words) & ", must be a power of two"
     severity failure;
 
   bank_gen : for bank in bank_t generate
-    type words_t is array (0 to words_of(bank) - 1) of std_ulogic_vector(data_bits - 1 downto 0);
-    constant place_bits : positive := address_bits(words_of(bank));
+    -- GHDL synthesises no memory of one word.
+    constant size : positive := maximum(bases(bank + 1) - bases(bank), 2);
+    type words_t is array (0 to size - 1) of std_ulogic_vector(data_bits - 1 downto 0);
+    constant place_bits : positive := address_bits(size);
     signal words : words_t;
   begin
     ports : process (clk)
