@@ -94,7 +94,9 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
             fetched = [model.words[address], *fetched[:-1]]
             if busy > 0 or any(y * config.width + x == address for x, y, _ in written):
                 fetched[0] = None
-        if config.single_port and (busy > 0 or any(x < config.width and y < config.height for x, y, _ in written)):
+        if config.single_port and (
+            busy > 0 or any(x < config.width and y < config.height for x, y, _ in written)
+        ):
             fetched[0] = None
         for pixel in written:
             model.write(*pixel)

@@ -94,7 +94,7 @@ module depth_test_properties #(
     same = one[depth_bits] ? other[depth_bits] : one == other;
   endfunction
 
-  // The memory, at this place: its word, and whether the three registers of the read port hold it for certain.
+  // The memory, at this place: its word; whether the three registers of the read port hold it for certain.
   reg [depth_bits:0] word, fetched, banked, read;
   reg fetched_known = 0, banked_known = 0, read_known = 0;
   wire written = \dut.write_enable && \dut.write_address == place;
