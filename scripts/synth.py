@@ -13,6 +13,7 @@ from rich.table import Table
 
 from quadshade.cli.options import generic_option, parse_generics
 from quadshade.engine.ghdl import repository_root
+from quadshade.engine.netlist import core_of
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis import find_board, find_device, implement
@@ -51,8 +52,8 @@ def run(device: str | None, board: str | None, seeds: int, generics: tuple[str, 
         raise QuadshadeError("give a device or a board", "DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f, for example")
     chosen = find_device(device) if device else find_board(board, root)
     settings = parse_generics(generics)
-    Formats().with_generics(settings)
-    result = implement(settings, chosen, range(1, seeds + 1), progress=told(chosen.name))
+    top, _ = core_of(Formats().with_generics(settings))
+    result = implement(settings, chosen, range(1, seeds + 1), top, progress=told(chosen.name))
     area, path = result.area, result.typical.path
     print(f"{chosen.name}: {result.fmax_mhz:.1f} MHz, median of {seeds} seeds")
     print(

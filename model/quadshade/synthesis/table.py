@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from quadshade.engine.netlist import TOP
+from quadshade.engine.netlist import core_of
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis.devices import find_device
@@ -126,7 +126,9 @@ def measure_row(row: Mapping, seeds: Sequence[int], root: Path, progress=None) -
     def report(what: str):
         return None if progress is None else lambda run: progress(what, run)
 
-    core = implement(row["generics"], find_device(row["device"]), seeds, TOP, progress=report("core"))
+    core = implement(
+        row["generics"], find_device(row["device"]), seeds, core_of(formats)[0], progress=report("core")
+    )
     lone = measure_lone(row["device"], formats.word_width, seeds, root, report("lone accumulator"))
     given = {key: row[key] for key in ("name", "device", "generics", "floor_mhz")}
     return given | measured(core, lone)
