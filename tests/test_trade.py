@@ -65,6 +65,45 @@ def test_a_point_is_what_render_draws(swept: Path, tmp_path: Path) -> None:
         assert np.array_equal(read_picture(out), read_picture(swept / point["reference"]))
 
 
+def test_the_power_at_the_pixel_is_a_choice(tmp_path: Path) -> None:
+    """The picture that ``render`` draws through the shade unit; its state is among the bytes."""
+    scene = (
+        "torus:288",
+        "--size",
+        "120x90",
+        "--exponent",
+        "50",
+        "--light",
+        "dir=0,0,1",
+        "--light",
+        "dir=1,0,1",
+    )
+    wanted = ("--shadings", "quadratic,quadratic-specular", "--fractions", "8,22", "--subdivisions", "none")
+    run = trade(*scene, *wanted, "-o", tmp_path / "swept", "--no-area", "--jobs", "1")
+    assert run.exit_code == 0, run.output
+    found = {point["name"]: point for point in points(tmp_path / "swept")}
+    point = found["quadratic-specular-22-none"]
+    out, stats = tmp_path / "picture.png", tmp_path / "stats.json"
+    drawn = render(*scene, "--shading", "quadratic-specular", "-o", out, "--stats", stats)
+    assert np.array_equal(read_picture(out), read_picture(tmp_path / "swept" / point["picture"]))
+    assert (point["clocks"], point["order"], point["word_width"]) == (drawn["clocks"], "quadratic", 32)
+    assert point["bytes"] > 4 * drawn["words"]
+    assert point["rms"] < found["quadratic-22-none"]["rms"] / 2
+    formats = Point("quadratic-specular", 8, "none").formats(Formats(), lights=2)
+    assert (formats.num_channels, formats.num_specular, formats.shade_guard_bits) == (4, 2, 8)
+
+
+def test_a_surface_without_two_cosines_is_refused(tmp_path: Path) -> None:
+    """The point says why; the others are drawn."""
+    run = trade(
+        "sphere:24", "--size", "40x40", "--exponent", "2000", "--shadings", "gouraud,quadratic-specular",
+        "--fractions", "22", "--subdivisions", "none", "-o", tmp_path, "--no-area", "--jobs", "1",
+    )  # fmt: skip
+    assert run.exit_code == 0, run.output
+    refused = {point["shading"]: point["refused"] for point in points(tmp_path)}
+    assert refused["gouraud"] is None and "exponent" in refused["quadratic-specular"]
+
+
 def test_errors_are_those_of_the_pictures(swept: Path) -> None:
     for point in points(swept):
         picture, reference = read_picture(swept / point["picture"]), read_picture(swept / point["reference"])

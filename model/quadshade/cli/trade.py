@@ -111,7 +111,7 @@ def trade(
     """
     with leave_at_once():
         from quadshade.trade import Grid, View, sweep
-        from quadshade.trade.point import DEFAULT_SHADINGS, SHADINGS, WHOLE
+        from quadshade.trade.point import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
 
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
@@ -119,7 +119,7 @@ def trade(
     width, height = parse_size(size)
     view = View(scene, width, height, camera, light_texts, material, exponent, crease, cull)
     divisions = _words(subdivisions)
-    usual = DEFAULT_SHADINGS if WHOLE in divisions else SHADINGS
+    usual = DEFAULT_SHADINGS if WHOLE in divisions else USUAL_SHADINGS
     grid = Grid(_fractions(fractions), usual if shadings is None else _words(shadings), divisions)
     with progress_bars() as progress:
         result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)

@@ -9,11 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from quadshade.engine.ghdl import repository_root
-from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.engine.netlist import core_of, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis import find_device
-from quadshade.synthesis.flow import CHECKED, YOSYS, mapping_commands, once, run_yosys, tool_version
+from quadshade.synthesis.cells import with_cells
+from quadshade.synthesis.flow import CHECKED, LIBRARY, YOSYS, mapping_commands, once, run_yosys, tool_version
 from quadshade.synthesis.reports import area_from_stat
 
 DEVICE = "ecp5-25k-6"
@@ -66,10 +67,16 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
       A tool is missing or fails.
     """
     root = repository_root()
-    netlist = write_netlist(formats.core_generics())
-    verilog = netlist.read_text()
-    commands = [f"read_verilog {netlist.name}", f"hierarchy -check -top {TOP}", *CHECKED]
-    commands += [*mapping_commands(find_device(device), TOP), f"tee -q -o {STAT} stat -json -top {TOP}"]
+    top, generics = core_of(formats)
+    netlist = write_netlist(generics, top)
+    verilog = with_cells(netlist.read_text(), find_device(device).family, root)
+    commands = [
+        f"read_verilog {netlist.name}",
+        *LIBRARY[find_device(device).family],
+        f"hierarchy -check -top {top}",
+        *CHECKED,
+    ]
+    commands += [*mapping_commands(find_device(device), top), f"tee -q -o {STAT} stat -json -top {top}"]
 
     def make(folder: Path) -> None:
         (folder / netlist.name).write_text(verilog)

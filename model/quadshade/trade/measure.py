@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image
 
 from quadshade.adapt import adapt
+from quadshade.adapt.figures import state_bytes
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.formats import LANE_BITS, Formats
@@ -18,7 +19,7 @@ from quadshade.image import paint, visible
 from quadshade.image.compare import error_map, psnr
 from quadshade.scene import Projected
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.shading import sample
+from quadshade.shading import sample, sample_specular
 from quadshade.trade.point import Point
 from quadshade.trade.view import BACKGROUND, Stage, phong_picture
 from quadshade.triangles import ScreenTriangles
@@ -91,15 +92,15 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     -------
     Measured
       ``psnr`` (dB, None where the picture is the reference), ``rms`` and ``max_error`` (grey levels) over all
-      pixels and channels of the picture; ``bytes`` of set-up words a frame, ``clocks`` a frame.
+      pixels and channels of the picture; ``bytes`` of set-up words a frame, of the shade unit's state too;
+      ``clocks`` a frame.
 
     Raises
     ------
     QuadshadeError
       The engine is missing or fails. A point that the host refuses raises nothing; its record says why.
     """
-    formats = point.formats(base)
-    parts, triangles = _triangles(point, stage, formats)
+    formats = point.formats(base, stage.num_lights)
     record = {
         "name": point.name,
         "shading": point.shading,
@@ -108,10 +109,12 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "subdivision": point.subdivision,
         "word_width": formats.word_width,
         "mesh_triangles": stage.mesh_triangles,
-        "triangles": len(parts),
+        "triangles": len(stage.projected),
         "refused": None,
     }
     try:
+        parts, triangles = _triangles(point, stage, formats)
+        record["triangles"] = len(parts)
         setup_triangles(triangles, formats)
     except QuadshadeError as refusal:
         return Measured(record | dict.fromkeys(MEASURED) | {"refused": str(refusal)}, {})
@@ -129,12 +132,13 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     quality = psnr(picture, reference)
     difference = picture.astype(np.float64) - reference
     stats = drawing.stats
+    size = stats["words"] * (LANE_BITS // 8) + state_bytes(triangles)
     record |= {
         "psnr": quality if math.isfinite(quality) else None,
         "rms": float(np.sqrt(np.mean(difference**2))),
         "max_error": int(np.abs(difference).max()),
-        "bytes": stats["words"] * (LANE_BITS // 8),
-        "bytes_per_triangle": stats["words"] * (LANE_BITS // 8) / max(stage.mesh_triangles, 1),
+        "bytes": size,
+        "bytes_per_triangle": size / max(stage.mesh_triangles, 1),
         "clocks": stats["clocks"],
         "pixels": stats["pixels"],
         "clocks_per_pixel": stats["clocks_per_pixel"],
@@ -150,4 +154,6 @@ def _triangles(point: Point, stage: Stage, formats: Formats) -> tuple[Projected,
         return adapted.projected, adapted.triangles
     if not formats.with_depth:
         parts = parts.back_to_front()
+    if point.specular:
+        return parts, sample_specular(parts, point.shading, stage.lights, stage.material, formats)
     return parts, sample(parts, point.shading, stage.lights, stage.material, formats)

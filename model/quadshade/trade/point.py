@@ -8,17 +8,19 @@ from dataclasses import dataclass
 
 from quadshade.errors import QuadshadeError
 from quadshade.formats import ORDER_NAMES, QUADRATIC, Formats
-from quadshade.shading import SHADING_ORDERS
+from quadshade.shading import SHADING_ORDERS, SPECULAR_ORDERS
 from quadshade.trade.subdivision import WHOLE, check_subdivision
 
 HEADROOM_BITS = 2
 """Bits of a word above the value: the sign, and one for the overshoot of a quadratic."""
 
-SHADINGS = tuple(SHADING_ORDERS)
+ORDERS = SHADING_ORDERS | SPECULAR_ORDERS
+SHADINGS = tuple(ORDERS)
 ADAPTIVE = "adaptive"
 ADAPTIVE_RANGE = (0.3, 100.0)
 """Grey levels of rms error that may be allowed; the rounding of the output alone is 0.29."""
-DEFAULT_SHADINGS = (*SHADINGS, "adaptive:1", "adaptive:0.5")
+USUAL_SHADINGS = (*SHADING_ORDERS, "quadratic-specular")
+DEFAULT_SHADINGS = (*USUAL_SHADINGS, "adaptive:1", "adaptive:0.5")
 FRACTIONS = (8, 10, 12, 16, 22)
 SUBDIVISIONS = ("none", "all:1", "all:2", "highlights:128", "centre:2")
 
@@ -62,9 +64,14 @@ class Point:
     @property
     def max_order(self) -> int:
         """The same as a number, the generic of the core."""
-        return SHADING_ORDERS.get(self.shading, QUADRATIC)
+        return ORDERS.get(self.shading, QUADRATIC)
 
-    def formats(self, base: Formats) -> Formats:
+    @property
+    def specular(self) -> bool:
+        """Cosines are interpolated, and the shade unit makes a colour of them at every pixel."""
+        return self.shading in SPECULAR_ORDERS
+
+    def formats(self, base: Formats, lights: int = 1) -> Formats:
         """
         The smallest core for this point.
 
@@ -72,6 +79,9 @@ class Point:
         ----------
         base : Formats
           All other generics.
+        lights : int
+          How many that have a place or a direction: a pair of channels each where the shading is a specular
+          one.
 
         Returns
         -------
@@ -83,13 +93,16 @@ class Point:
         QuadshadeError
           The fraction is out of range.
         """
-        return base.with_generics(
-            {
-                "max_order": self.max_order,
-                "frac_bits": self.fraction,
-                "word_width": self.fraction + base.value_bits + HEADROOM_BITS,
-            }
-        )
+        generics = {
+            "max_order": self.max_order,
+            "frac_bits": self.fraction,
+            "word_width": self.fraction + base.value_bits + HEADROOM_BITS,
+        }
+        if self.specular:
+            generics |= {"with_shade": 1, "num_channels": 2 * lights, "num_specular": lights}
+            # A guard bit is one of the fraction.
+            generics["shade_guard_bits"] = min(base.shade_guard_bits, self.fraction)
+        return base.with_generics(generics)
 
 
 @dataclass(frozen=True)

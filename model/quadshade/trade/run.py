@@ -118,7 +118,7 @@ def sweep(
     tell = progress or (lambda *_: None)
     notice = no_tools(device) if area else "not asked for"
     # Everything that can be refused is refused before the work.
-    configurations = [point.formats(base) for point in grid]
+    configurations = [point.formats(base, view.num_lights) for point in grid]
     stages = _stages(view, grid, base)
     keys = _keys(view, grid, stages, base, engine)
     try:

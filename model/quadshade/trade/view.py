@@ -12,7 +12,7 @@ from quadshade.engine import draw
 from quadshade.formats import Formats
 from quadshade.image import paint, visible
 from quadshade.scene import Projected, load_scene, parse_camera, project
-from quadshade.shading import Light, Material, parse_light, parse_material, sample
+from quadshade.shading import AmbientLight, Light, Material, parse_light, parse_material, sample
 from quadshade.shading.reference import phong
 from quadshade.trade.subdivision import subdivide
 
@@ -67,6 +67,12 @@ class View:
         mesh = load_scene(self.scene, self.crease)
         return project(mesh, parse_camera(self.camera, mesh), self.width, self.height, formats, self.cull)
 
+    @property
+    def num_lights(self) -> int:
+        """How many lights have a place or a direction, at least one."""
+        # Of those that go with the viewer one has a direction.
+        return max(sum(not isinstance(lamp, AmbientLight) for lamp in self.lamps or ()), 1)
+
     def settings(self) -> dict:
         """All of it, for a file."""
         return asdict(self)
@@ -86,6 +92,8 @@ class Stage:
     material : Material
     reference : (height, width, 3) uint8
       Phong shading of the same triangles, with coverage and depth of the core with all its bits.
+    num_lights : int
+      As of the view.
     """
 
     projected: Projected
@@ -93,6 +101,7 @@ class Stage:
     lights: tuple[Light, ...] | None
     material: Material
     reference: np.ndarray
+    num_lights: int = 1
 
 
 def stage(view: View, projected: Projected, subdivision: str, formats: Formats) -> Stage:
@@ -114,7 +123,7 @@ def stage(view: View, projected: Projected, subdivision: str, formats: Formats) 
     """
     parts = subdivide(projected, subdivision, view.lamps, view.surface, formats)
     reference = phong_picture(parts, view.lamps, view.surface, formats)
-    return Stage(parts, len(projected), view.lamps, view.surface, reference)
+    return Stage(parts, len(projected), view.lamps, view.surface, reference, view.num_lights)
 
 
 def phong_picture(
