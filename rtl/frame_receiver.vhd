@@ -72,6 +72,7 @@ architecture rtl of frame_receiver is
 
   -- Bytes of the frame, up to too_many.
   signal count : u_unsigned(count_bits - 1 downto 0) := (others => '0');
+  signal count_words : u_unsigned(count_bits - 3 downto 0);
   signal header : std_ulogic_vector(31 downto 0) := (others => '0');
   -- The payload's last three words, of READ: pixels and plane; width and count; x and y.
   signal last_word, word_before, word_first : std_ulogic_vector(31 downto 0) := (others => '0');
@@ -85,12 +86,13 @@ architecture rtl of frame_receiver is
   constant width_bits : positive := address_bits(screen_width + 1);
   constant rows_bits : positive := address_bits(screen_height + 1);
   constant pixels_bits : positive := address_bits(max_read + 1);
+  constant bytes_bits : positive := pixels_bits + 3;
   -- In three steps while the CRC comes: scanlines from y on, bytes of a pixel; pixels from there on at most,
   -- bytes of the pixels; whether the area is on the screen, and its pixels are what the bytes need.
   signal rows : u_unsigned(rows_bits - 1 downto 0) := (others => '0');
   signal pixel_bytes : u_unsigned(2 downto 0) := (others => '0');
   signal pixels_there : u_unsigned(width_bits + rows_bits - 1 downto 0) := (others => '0');
-  signal pixels_bytes : u_unsigned(pixels_bits + 2 downto 0) := (others => '0');
+  signal pixels_bytes : u_unsigned(bytes_bits - 1 downto 0) := (others => '0');
   signal good_place, good_plane, good_area : std_ulogic := '0';
 
   -- One cycle after the frame's end.
@@ -99,13 +101,21 @@ architecture rtl of frame_receiver is
   signal known, good_payload, reads, sums, bad_rate : std_ulogic := '0';
   signal next_number, previous : u_unsigned(7 downto 0) := (others => '0');
 
+  -- Whether no bit from `bits` on is set: what remains is compared in so many.
+  function is_below(value : u_unsigned; bits : positive) return boolean is
+  begin
+    return bits >= value'length or value(value'left downto bits) = 0;
+  end function;
+
   -- A payload of the length that its opcode has.
   function fits(code : std_ulogic_vector(7 downto 0); bytes : u_unsigned(15 downto 0)) return std_ulogic is
     variable words : u_unsigned(13 downto 0);
     variable good : std_ulogic := '1';
   begin
     words := bytes(15 downto 2);
-    if bytes(1 downto 0) /= 0 or words < least_words(code) or words > most_words(code) then
+    if bytes(1 downto 0) /= 0 or not is_below(words, 8) or words(7 downto 0) < least_words(code)
+      or words(7 downto 0) > most_words(code)
+    then
       good := '0';
     end if;
     return good;
@@ -123,10 +133,11 @@ begin
     );
 
   word <= byte_data & shift;
+  count_words <= count(count_bits - 1 downto 2);
   word_done <= byte_valid when count(1 downto 0) = 3 else '0';
   length <= unsigned(header(31 downto 16));
   -- Word 0 is the header; word n of the payload ends with byte 4 n + 3.
-  in_payload <= '1' when count > 3 and count <= length + 3 else '0';
+  in_payload <= '1' when count_words /= 0 and count_words <= length(15 downto 2) else '0';
   write_valid <= '1' when word_done = '1' and (count = 3 or in_payload = '1') else '0';
   write_data <= word;
 
@@ -158,7 +169,9 @@ begin
         good_crc <= '1';
       end if;
       good_length <= '0';
-      if count = length + (header_bytes + crc_bytes) then
+      if is_below(length, count_bits - 1)
+        and count = resize(length(count_bits - 2 downto 0), count_bits) + (header_bytes + crc_bytes)
+      then
         good_length <= '1';
       end if;
       if frame_end = '1' then
@@ -172,21 +185,26 @@ begin
   end process;
 
   area : process (clk)
-    variable plane, columns, pixels, bytes : u_unsigned(15 downto 0);
-    variable right : u_unsigned(16 downto 0);
+    variable plane, left, top, columns, pixels, bytes : u_unsigned(15 downto 0);
+    variable right : u_unsigned(width_bits downto 0);
+    variable rest : u_unsigned(bytes_bits downto 0);
   begin
     if rising_edge(clk) then
       plane := unsigned(last_word(31 downto 16));
       pixels := unsigned(last_word(15 downto 0));
       bytes := unsigned(word_before(31 downto 16));
       columns := unsigned(word_before(15 downto 0));
-      right := resize(unsigned(word_first(15 downto 0)), 17) + columns;
+      left := unsigned(word_first(15 downto 0));
+      top := unsigned(word_first(31 downto 16));
+      right := resize(left, width_bits + 1) + resize(columns, width_bits);
 
       good_place <= '0';
-      if columns /= 0 and right <= screen_width and unsigned(word_first(31 downto 16)) < screen_height then
+      if is_below(left, width_bits) and is_below(columns, width_bits) and columns /= 0
+        and right <= screen_width and is_below(top, rows_bits) and top(rows_bits - 1 downto 0) < screen_height
+      then
         good_place <= '1';
       end if;
-      rows <= to_unsigned(screen_height, rows_bits) - resize(unsigned(word_first(31 downto 16)), rows_bits);
+      rows <= to_unsigned(screen_height, rows_bits) - resize(top, rows_bits);
       pixel_bytes <= (others => '0');
       if plane = 0 then
         pixel_bytes <= to_unsigned(colour_bytes, 3);
@@ -203,10 +221,15 @@ begin
         good_plane <= '1';
       end if;
 
+      -- Bytes of the pixels that are not asked for: fewer than a pixel has.
+      rest := resize(pixels_bytes, bytes_bits + 1) - resize(bytes, pixels_bits);
+
       good_area <= '0';
-      if good_place = '1' and bytes /= 0 and bytes <= max_read and pixels <= max_read
-        and pixels <= pixels_there and resize(pixels_bytes, 16) >= bytes
-        and resize(pixels_bytes, 16) < bytes + pixel_bytes
+      if good_place = '1' and bytes /= 0 and is_below(bytes, pixels_bits)
+        and bytes(pixels_bits - 1 downto 0) <= max_read and is_below(pixels, pixels_bits)
+        and pixels(pixels_bits - 1 downto 0) <= max_read
+        and pixels(pixels_bits - 1 downto 0) <= pixels_there and is_below(rest, 3)
+        and rest(2 downto 0) < pixel_bytes
       then
         good_area <= '1';
       end if;

@@ -21,7 +21,8 @@ from quadshade.synthesis.bitstream import (
     read_board,
 )
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.flow import CHECKED, run_yosys
+from quadshade.synthesis.flow import run_yosys
+from quadshade.synthesis.mapping import CHECKED
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "synth" / "boards"

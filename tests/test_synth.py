@@ -17,7 +17,8 @@ from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis import DEVICES, find_board, find_device, module_ports, table, write_harness
-from quadshade.synthesis.flow import CHECKED, Implementation, Placed, find_tool, once, run_yosys
+from quadshade.synthesis.flow import Implementation, Placed, find_tool, once, run_yosys
+from quadshade.synthesis.mapping import CHECKED
 from quadshade.synthesis.reports import (
     Area,
     CriticalPath,

@@ -16,7 +16,8 @@ from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
-from quadshade.synthesis.flow import find_tool, mapping_commands, run_tool, run_yosys, tool_version
+from quadshade.synthesis.flow import find_tool, run_tool, run_yosys, tool_version
+from quadshade.synthesis.mapping import mapping_commands
 
 ENTITY = "board"
 TOP = "top"
@@ -220,6 +221,7 @@ def build(
     run_yosys([f"read_verilog{defines} {names}", *commands, "write_json mapped.json"], folder)
     tries = []
     for seed in seeds:
+        progress(f"{board.name}: seed {seed}: place and route, which takes minutes")
         tries.append(_route(board, folder, seed, root))
         told = ", ".join(
             f"{name} {mhz:.1f} of {least:g} MHz" for name, (mhz, least) in tries[-1].clocks.items()

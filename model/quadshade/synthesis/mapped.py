@@ -14,7 +14,8 @@ from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import find_device
-from quadshade.synthesis.flow import YOSYS, mapping_commands, once, run_yosys, tool_version
+from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version
+from quadshade.synthesis.mapping import mapping_commands
 
 GENERIC = "ghdl"
 FAMILIES = {"ice40": "ice40-hx8k", "ecp5": "ecp5-25k-6"}

@@ -14,7 +14,8 @@ from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis import find_device
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.flow import CHECKED, LIBRARY, YOSYS, mapping_commands, once, run_yosys, tool_version
+from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version
+from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
 from quadshade.synthesis.reports import area_from_stat
 
 DEVICE = "ecp5-25k-6"

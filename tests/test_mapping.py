@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a design becomes cells of iCE40: what is short is made of LUTs, and means the same."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from quadshade.synthesis.devices import find_device
+from quadshade.synthesis.flow import run_yosys
+from quadshade.synthesis.mapped import cell_models
+from quadshade.synthesis.mapping import LEAST_SHARED, LONGEST_COMPARED, LONGEST_SHORT, mapping_commands
+
+SUM = "assign q = a + b;"
+ABOVE = "assign q = a > 37;"
+REGISTER = "reg [{top}:0] r = 0; always @(posedge clk) if (enable) r <= a ^ b; assign q = r;"
+
+
+def design(body: str, width: int) -> str:
+    """A module of two numbers."""
+    top = width - 1
+    ports = f"input clk, input enable, input [{top}:0] a, input [{top}:0] b, output [{top}:0] q"
+    return f"module made ({ports});\n{body.replace('{top}', str(top))}\nendmodule\n"
+
+
+def mapped(body: str, width: int, folder: Path) -> Counter[str]:
+    """Cells of a design, by type; their netlist is ``mapped.v``."""
+    (folder / "made.v").write_text(design(body, width))
+    commands = mapping_commands(find_device("ice40-up5k"), "made")
+    run_yosys(
+        ["read_verilog made.v", *commands, "write_json mapped.json", "write_verilog -noattr mapped.v"], folder
+    )
+    cells = json.loads((folder / "mapped.json").read_text())["modules"]["made"]["cells"]
+    return Counter(cell["type"] for cell in cells.values())
+
+
+@pytest.mark.parametrize(
+    ("body", "longest", "cell"),
+    [(SUM, LONGEST_SHORT, "SB_CARRY"), (ABOVE, LONGEST_COMPARED, "SB_CARRY")],
+    ids=["sum", "comparison"],
+)
+def test_short_numbers_have_no_carry_chain(body: str, longest: int, cell: str, tmp_path: Path) -> None:
+    assert mapped(body, longest, tmp_path)[cell] == 0
+    assert mapped(body, longest + 1, tmp_path)[cell] > 0
+
+
+def test_few_flip_flops_have_no_enable_of_their_own(tmp_path: Path) -> None:
+    few = mapped(REGISTER, LEAST_SHARED - 1, tmp_path)
+    assert few["SB_DFF"] == LEAST_SHARED - 1
+    assert few["SB_DFFE"] == 0
+    assert mapped(REGISTER, LEAST_SHARED, tmp_path)["SB_DFFE"] == LEAST_SHARED
+
+
+@pytest.mark.parametrize("body", [SUM, ABOVE], ids=["sum", "comparison"])
+@pytest.mark.parametrize("width", [6, LONGEST_SHORT, LONGEST_COMPARED])
+def test_cells_mean_the_same(body: str, width: int, tmp_path: Path) -> None:
+    """Proved by Yosys, for all numbers."""
+    mapped(body, width, tmp_path)
+    models = re.findall(
+        r"module SB_(?:LUT4|CARRY)\b.*?^endmodule", cell_models("ice40"), re.DOTALL | re.MULTILINE
+    )
+    assert len(models) == 2
+    text = re.sub(r"`ICE40_DEFAULT_ASSIGNMENT\w*", "", "\n".join(models))
+    (tmp_path / "models.v").write_text(text + "\n")
+    run_yosys(
+        [
+            "read_verilog made.v",
+            "rename made expected",
+            "read_verilog models.v mapped.v",
+            "hierarchy",
+            "proc",
+            "select made expected",
+            "flatten",
+            "select -clear",
+            "miter -equiv -make_outputs made expected both",
+            "hierarchy -top both",
+            "flatten",
+            "opt",
+            "sat -verify -prove trigger 0 both",
+        ],
+        tmp_path,
+    )
