@@ -147,6 +147,59 @@ def test_a_reflectance_neither_ends_the_program_nor_warns(tmp_path: Path, body: 
     assert is_one_line(quadshade("render", "sphere:24", *arguments))
 
 
+INTERRUPTED = """
+import {modules}
+import click
+# What is started in the background of a script inherits that SIGINT is ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from quadshade.cli import main
+@main.main.command()
+def wait():
+    {body}
+main.COMMANDS = ("wait",)
+main.OneLineErrors.get_command = click.Group.get_command
+main.main(["wait"])
+"""
+BODIES = {
+    "where it is": "os.kill(os.getpid(), signal.{number}); time.sleep(99)",
+    "in a library that raises something else": (
+        "\n    try: os.kill(os.getpid(), signal.{number}); time.sleep(99)"
+        "\n    except BaseException: raise RuntimeError('no compiled object') from None"
+    ),
+    "where Python drops it": (
+        "\n    class Kept:"
+        "\n        def __del__(self): os.kill(os.getpid(), signal.{number}); time.sleep(99)"
+        "\n    Kept(); time.sleep(99)"
+    ),
+}
+
+
+@pytest.mark.parametrize(("number", "code"), (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)))
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_signal_ends_the_program_at_once(number: str, code: int, body: str) -> None:
+    program = INTERRUPTED.format(modules="os, signal, time", body=body.format(number=number))
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", "quadshade: interrupted\n")
+
+
+def test_a_signal_that_is_ignored_stays_ignored() -> None:
+    """As `nohup` has it."""
+    body = "os.kill(os.getpid(), signal.SIGHUP); print('on')"
+    program = INTERRUPTED.format(
+        modules="os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)", body=body
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
+
+
+def test_the_exit_code_is_right_where_nothing_can_be_said() -> None:
+    program = [sys.executable, "-c", "from quadshade.cli.main import main; main()", "render"]
+    with open("/dev/full", "w") as full:
+        assert subprocess.run(program, stderr=full, check=False).returncode == 2
+
+
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
