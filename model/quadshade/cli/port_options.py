@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -37,6 +38,19 @@ class Faults(click.ParamType):
         if not 0 <= numbers[0] <= 1:
             self.fail(f"{value!r} is no rate of faults; write for example 1e-3 or 1e-3,7")
         return numbers
+
+
+class Seconds(click.FloatRange):
+    """A range of seconds, in which nan is not."""
+
+    name = "seconds"
+
+    def convert(self, value: object, param: click.Parameter | None, context: click.Context | None) -> float:
+        """The number, or a usage error."""
+        seconds = super().convert(value, param, context)
+        if math.isnan(seconds):
+            self.fail(f"{value!r} is not a number of seconds", param, context)
+        return seconds
 
 
 @dataclass(frozen=True)
@@ -94,7 +108,7 @@ def port_options(own_verify: bool = True, help_text: str = "The board") -> Calla
         ),
         click.option(
             "--timeout",
-            type=click.FloatRange(0.001, 1e6),
+            type=Seconds(0.001, 1e6),
             metavar="SECONDS",
             envvar="QUADSHADE_TIMEOUT",
             help="How long an answer may take; a board simulated elsewhere may need more.  [default: 0.5; "
