@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from quadshade.cli import options
+from quadshade.cli import compiled_loops, options
 from quadshade.cli.main import main
 from quadshade.errors import QuadshadeError
 from quadshade.formats import GENERIC_HELP, Formats
@@ -192,6 +192,33 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
+
+
+DRAW = "from quadshade.cli.main import main; main(['render', 'sphere:24', '-o', 'a.png', '--size', '8x8'])"
+
+
+def test_a_user_who_can_write_nothing_but_the_picture(tmp_path: Path) -> None:
+    """Neither beside the package nor at home, as a service that uses an installation of somebody else's."""
+    program = f"from quadshade.cli import compiled_loops; compiled_loops.__file__ = '/dev/null/x'\n{DRAW}"
+    variables = {"HOME": "/dev/null", "NUMBA_CACHE_DIR": "/dev/null", "TMPDIR": str(tmp_path)}
+    variables |= {"QUADSHADE_ENGINE": "model"}
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=os.environ | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == f"quadshade: notice: {compiled_loops.NOTICE}\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_the_usual_folders_for_compiled_loops_are_left_to_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    with compiled_loops.somewhere_for_compiled_loops():
+        assert "NUMBA_CACHE_DIR" not in os.environ
 
 
 def test_the_exit_code_is_right_where_nothing_can_be_said() -> None:

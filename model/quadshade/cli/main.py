@@ -15,6 +15,7 @@ with leave_at_once():
 
     import click
 
+    from quadshade.cli.compiled_loops import somewhere_for_compiled_loops
     from quadshade.errors import QuadshadeError
 
 BAD_INPUT = 2
@@ -30,7 +31,7 @@ class OneLineErrors(click.Group):
         if not standalone_mode:
             return super().main(*args, standalone_mode=False, **extra)
         try:
-            with warnings.catch_warnings(), ending_in_order():
+            with warnings.catch_warnings(), ending_in_order(), somewhere_for_compiled_loops():
                 # What matters is an error; numpy's and Pillow's warnings would be further lines on stderr.
                 if not sys.warnoptions:
                     warnings.simplefilter("ignore")
