@@ -194,25 +194,20 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
 
 
-DRAW = "from quadshade.cli.main import main; main(['render', 'sphere:24', '-o', 'a.png', '--size', '8x8'])"
-
-
-def test_a_user_who_can_write_nothing_but_the_picture(tmp_path: Path) -> None:
+def test_a_user_who_can_write_nothing_but_the_picture(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
     """Neither beside the package nor at home, as a service that uses an installation of somebody else's."""
-    program = f"from quadshade.cli import compiled_loops; compiled_loops.__file__ = '/dev/null/x'\n{DRAW}"
-    variables = {"HOME": "/dev/null", "NUMBA_CACHE_DIR": "/dev/null", "TMPDIR": str(tmp_path)}
-    variables |= {"QUADSHADE_ENGINE": "model"}
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        env=os.environ | variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == f"quadshade: notice: {compiled_loops.NOTICE}\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "/dev/null/loops")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
+    monkeypatch.setattr(compiled_loops, "__file__", "/dev/null/module.py")
+    for files, said in ((0, ""), (1, f"quadshade: notice: {compiled_loops.NOTICE}\n")):
+        with compiled_loops.somewhere_for_compiled_loops():
+            folder = Path(os.environ["NUMBA_CACHE_DIR"])
+            for number in range(files):
+                (folder / f"loop{number}").touch()
+        assert not folder.exists() and os.environ["NUMBA_CACHE_DIR"] == "/dev/null/loops"
+        assert capsys.readouterr().err == said
 
 
 def test_the_usual_folders_for_compiled_loops_are_left_to_numba(monkeypatch: pytest.MonkeyPatch) -> None:
