@@ -244,6 +244,16 @@ def test_zeros_elsewhere_in_a_text_file_are_no_faults(tmp_path):
             load_scene(path)
 
 
+def test_a_file_that_may_not_be_read_is_not_called_malformed(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied", "part.stl")
+
+    (tmp_path / "part.stl").touch()
+    monkeypatch.setattr(trimesh, "load_scene", refuse)
+    with pytest.raises(QuadshadeError, match=r"cannot read .*part.stl: Permission denied; give a mesh file$"):
+        load_scene(tmp_path / "part.stl")
+
+
 @pytest.mark.parametrize("crease", [-1, 181, float("nan")])
 def test_a_crease_out_of_range_is_refused(crease):
     with pytest.raises(QuadshadeError, match="crease"):

@@ -78,6 +78,10 @@ def load_mesh(path: Path, crease: float | None = None) -> Mesh:
     except QuadshadeError as error:
         text = error.message if str(path) in error.message else f"{path}: {error.message}"
         raise QuadshadeError(text, error.hint) from None
+    except OSError as error:
+        if error.strerror is None:
+            raise QuadshadeError(f"cannot read {path}: {_reason(error)}", "the file is malformed") from None
+        raise QuadshadeError(f"cannot read {path}: {error.strerror}", "give a mesh file") from None
     except Exception as error:  # noqa: BLE001 - trimesh raises whatever its parsing stumbles over
         raise QuadshadeError(f"cannot read {path}: {_reason(error)}", "the file is malformed") from None
     parts = [part for part in parts if len(part[1])]
