@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import struct
 import subprocess
 import sys
@@ -214,6 +215,25 @@ def test_the_usual_folders_for_compiled_loops_are_left_to_numba(monkeypatch: pyt
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     with compiled_loops.somewhere_for_compiled_loops():
         assert "NUMBA_CACHE_DIR" not in os.environ
+
+
+@pytest.mark.skipif(shutil.which("ghdl") is None, reason="no ghdl")
+@pytest.mark.parametrize(
+    "arguments",
+    (("--engine", "ghdl"), ("--engine", "ghdl", "--port", "sim"), ("--engine", "verilator", "--port", "sim")),
+    ids=" ".join,
+)
+def test_a_checkout_that_cannot_be_written_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    root = Path(__file__).resolve().parents[1]
+    for name in ("rtl", "sim", "synth"):
+        (tmp_path / name).symlink_to(root / name)
+    (tmp_path / "build").touch()
+    monkeypatch.setenv("QUADSHADE_ROOT", str(tmp_path))
+    result = quadshade("render", "sphere:24", "-o", tmp_path / "a.png", "--size", "8x8", *arguments)
+    assert is_one_line(result) and result.stderr.endswith("; use --engine model\n")
+    assert not (tmp_path / "a.png").exists()
 
 
 def test_the_exit_code_is_right_where_nothing_can_be_said() -> None:

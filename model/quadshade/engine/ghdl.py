@@ -184,8 +184,16 @@ def draw_ghdl(
     QuadshadeError
       GHDL is missing or fails.
     """
-    root = repository_root()
-    library = analyse(root)
+    try:
+        return _draw(words, formats, waves, stall_period, state)
+    except OSError as problem:
+        raise QuadshadeError(f"GHDL's files: {problem}", "use --engine model") from None
+
+
+def _draw(
+    words: np.ndarray, formats: Formats, waves: Path | None, stall_period: int, state: ShadeState | None
+) -> EmittedPixels:
+    library = analyse(repository_root())
     with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
         folder = Path(scratch)
         write_beats(words, formats, folder / "beats.txt")
