@@ -203,6 +203,7 @@ BAD_FILES = {
         ["sphere:168", "--generic", "num_channels=2"],
         ["sphere:168", "--generic", "max_order=1"],
         ["sphere:168", "--waves", "a.ghw"],
+        *(["sphere:168", *given] for given in (["--baud", "9600"], ["--trace"], ["--pack-error", "0"])),
         ["sphere:168", "--strict", "--divide", "0.5"],
         ["sphere:168", "--style", "cartoon", "--toon", "0"],
         ["sphere:168", "--stats", "no/such/folder.json"],

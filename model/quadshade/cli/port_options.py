@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from quadshade.board import Board, BoardSettings
 
 
+BOARD_ONLY = ("baud", "faults", "timeout", "trace", "pack_error")
+"""Options that mean nothing where an engine draws."""
+
+
 class Faults(click.ParamType):
     """A rate and a seed, as (rate, seed)."""
 
@@ -146,8 +150,12 @@ def on_board(choice: PortChoice, engine: str | None) -> bool:
     Raises
     ------
     QuadshadeError
-      Both are asked for.
+      Both are asked for, or what only a board has without one.
     """
+    if not choice.port:
+        for name in BOARD_ONLY:
+            if is_given(name):
+                raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
     if not choice.port or choice.is_simulated:
         return bool(choice.port)
     if engine is not None and is_given("engine"):
