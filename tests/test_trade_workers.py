@@ -53,7 +53,7 @@ def test_a_killed_sweep_goes_on(tmp_path: Path) -> None:
     for path in before:
         assert {file.name for file in path.iterdir()} == {"record.json", "picture.png", "error.png"}
     # What a kill in the middle of writing leaves.
-    (folder / ".half" / "point").mkdir(parents=True)
+    (folder / ".half-1" / "point").mkdir(parents=True)
 
     run = trade(*fractions, "-o", tmp_path / "sweep", "--jobs", "1")
     assert run.exit_code == 0, run.output
