@@ -59,13 +59,15 @@ def test_a_sphere_of_a_count_has_exactly_that_count(stacks, slices):
     try:
         assert len(load_scene(f"sphere:{count}")) == count
     except QuadshadeError as error:
-        assert "nearest counts" in str(error)
+        assert "nearest counts" in str(error) or "least count" in str(error)
     assert len(load_scene(f"sphere:{stacks}x{slices}")) == count
 
 
 def test_an_impossible_count_names_the_nearest_possible_ones():
     with pytest.raises(QuadshadeError, match="nearest counts are 162 and 168"):
         load_scene("sphere:167")
+    with pytest.raises(QuadshadeError, match="the least count is 18$"):
+        load_scene("torus:2")
     assert [len(load_scene(f"sphere:{count}")) for count in (162, 168)] == [162, 168]
 
 
