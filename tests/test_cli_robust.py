@@ -70,6 +70,22 @@ def test_a_link_is_followed_and_a_pipe_is_written_to(tmp_path: Path) -> None:
     assert pipe.is_fifo()
 
 
+def test_a_folder_that_cannot_be_written_is_said_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The new file is made beside the old one, also where a link leads there."""
+    folder, old = tmp_path / "folder", tmp_path / "folder" / "old.png"
+    folder.mkdir()
+    old.touch()
+    (tmp_path / "link.png").symlink_to(old)
+    options.check_writable(old, tmp_path / "other.png")
+    real = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != folder and real(path, mode))
+    for path in (old, folder / "new.png", tmp_path / "link.png"):
+        with pytest.raises(QuadshadeError, match="cannot write"):
+            options.check_writable(path)
+
+
 def test_pixels_may_go_nowhere(triangles: Path) -> None:
     """NumPy's zip cannot be written to a device, which says of itself that it can seek."""
     result = quadshade("raster", triangles, "-o", os.devnull)
