@@ -16,7 +16,7 @@ NOTICE = f"compiled loops are not kept, as no folder for them can be written; se
 
 
 def usual_folders() -> list[Path]:
-    """Where Numba looks for a folder that it can write, in its order: the user's, beside the module, at home."""
+    """Where Numba looks for a folder to write to, in its order: the user's, beside the module, at home."""
     own = os.environ.get(VARIABLE)
     home = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
     return [*([Path(own)] if own else []), Path(__file__).parent / "__pycache__", home / "numba"]

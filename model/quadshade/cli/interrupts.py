@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C and the signals of `kill` and of a closed terminal: the program ends at once and leaves nothing behind."""
+"""Ctrl-C, `kill` and a closed terminal: the program ends at once and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def ending_in_order() -> Iterator[None]:
 @contextmanager
 def leave_at_once() -> Iterator[None]:
     """
-    Let these signals end the process within the block, for imports, during which nothing has been written yet.
+    Let these signals end the process within the block, for imports: nothing has been written yet.
 
     Some modules of trimesh catch every exception while they import what is optional: a ``KeyboardInterrupt``
     would be lost there, and the program would go on. A handler of somebody else's stays.
