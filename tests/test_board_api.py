@@ -211,6 +211,7 @@ def test_tcp(tmp_path: Path) -> None:
         (("board", "--board", "moon"), "no board 'moon'"),
         (("board", "--pty", "a", "--tcp", "1"), "give one of them"),
         (("replay", "missing.qs", "--port", "sim"), "missing.qs"),
+        (("info", "--port", "sim", "--timeout", "nan"), "not a number of seconds"),
     ],
 )
 def test_wrong_choices(

@@ -123,6 +123,7 @@ def test_a_pack_is_adaptive_too(tmp_path: Path) -> None:
         (["--max-error", "4", "--budget", "9000"], "not both"),
         (["--max-error", "0.5"], "rounding the output"),
         (["--max-error", "nan"], "rounding the output"),
+        (["--max-error", "inf"], "the allowed error is infinite"),
         (["--budget", "12parsecs"], "is not a budget"),
         (["--budget", "5bytes"], "the cheapest picture takes"),
         (["--error-measure", "rms"], "give --max-error or --budget"),

@@ -134,6 +134,7 @@ def test_both_engines_agree(file: Path, tmp_path: Path) -> None:
         (("FILE", "--generic", "colour=1"), "no generic 'colour'"),
         (("FILE", "--generic", "num_channels=1"), "has 3 channels"),
         (("FILE", "--waves", "waves.ghw"), "waves"),
+        (("FILE", "-o", "picture.png"), "give a name that ends in .npz, or --port"),
         (("FILE", "-o", "no/such/folder/pixels.npz"), "cannot write no/such/folder/pixels.npz"),
     ),
     ids=lambda v: "_".join(v) if isinstance(v, tuple) else "",
@@ -148,7 +149,7 @@ def test_one_line_and_exit_code_2(
     assert result.stderr.startswith("quadshade: error: ")
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
-    assert not Path("pixels.npz").exists()
+    assert not Path("pixels.npz").exists() and not Path("picture.png").exists()
 
 
 @pytest.mark.parametrize("content", ("{", '{"width": 4}', "[]", "NaN"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import struct
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from quadshade.cli import options
+from quadshade.cli import compiled_loops, options
 from quadshade.cli.main import main
 from quadshade.errors import QuadshadeError
 from quadshade.formats import GENERIC_HELP, Formats
@@ -67,6 +68,22 @@ def test_a_link_is_followed_and_a_pipe_is_written_to(tmp_path: Path) -> None:
     assert json.loads(os.read(reader, 100)) == {"a": 1}
     os.close(reader)
     assert pipe.is_fifo()
+
+
+def test_a_folder_that_cannot_be_written_is_said_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The new file is made beside the old one, also where a link leads there."""
+    folder, old = tmp_path / "folder", tmp_path / "folder" / "old.png"
+    folder.mkdir()
+    old.touch()
+    (tmp_path / "link.png").symlink_to(old)
+    options.check_writable(old, tmp_path / "other.png")
+    real = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != folder and real(path, mode))
+    for path in (old, folder / "new.png", tmp_path / "link.png"):
+        with pytest.raises(QuadshadeError, match="cannot write"):
+            options.check_writable(path)
 
 
 def test_pixels_may_go_nowhere(triangles: Path) -> None:
@@ -145,6 +162,100 @@ def test_a_reflectance_neither_ends_the_program_nor_warns(tmp_path: Path, body: 
     module.write_text(f"import numpy as np\ndef f(point, normal, to_light, to_viewer):\n    {body}\n")
     arguments = ("-o", tmp_path / "a.png", "--size", "8x8", "--reflectance", f"{module}:f")
     assert is_one_line(quadshade("render", "sphere:24", *arguments))
+
+
+INTERRUPTED = """
+import {modules}
+import click
+# What is started in the background of a script inherits that SIGINT is ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from quadshade.cli import main
+@main.main.command()
+def wait():
+    {body}
+main.COMMANDS = ("wait",)
+main.OneLineErrors.get_command = click.Group.get_command
+main.main(["wait"])
+"""
+BODIES = {
+    "where it is": "os.kill(os.getpid(), signal.{number}); time.sleep(99)",
+    "in a library that raises something else": (
+        "\n    try: os.kill(os.getpid(), signal.{number}); time.sleep(99)"
+        "\n    except BaseException: raise RuntimeError('no compiled object') from None"
+    ),
+    "where Python drops it": (
+        "\n    class Kept:"
+        "\n        def __del__(self): os.kill(os.getpid(), signal.{number}); time.sleep(99)"
+        "\n    Kept(); time.sleep(99)"
+    ),
+}
+
+
+@pytest.mark.parametrize(("number", "code"), (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)))
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_signal_ends_the_program_at_once(number: str, code: int, body: str) -> None:
+    program = INTERRUPTED.format(modules="os, signal, time", body=body.format(number=number))
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", "quadshade: interrupted\n")
+
+
+def test_a_signal_that_is_ignored_stays_ignored() -> None:
+    """As `nohup` has it."""
+    body = "os.kill(os.getpid(), signal.SIGHUP); print('on')"
+    program = INTERRUPTED.format(
+        modules="os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)", body=body
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
+
+
+def test_a_user_who_can_write_nothing_but_the_picture(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """Neither beside the package nor at home, as a service that uses an installation of somebody else's."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "/dev/null/loops")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
+    monkeypatch.setattr(compiled_loops, "__file__", "/dev/null/module.py")
+    for files, said in ((0, ""), (1, f"quadshade: notice: {compiled_loops.NOTICE}\n")):
+        with compiled_loops.somewhere_for_compiled_loops():
+            folder = Path(os.environ["NUMBA_CACHE_DIR"])
+            for number in range(files):
+                (folder / f"loop{number}").touch()
+        assert not folder.exists() and os.environ["NUMBA_CACHE_DIR"] == "/dev/null/loops"
+        assert capsys.readouterr().err == said
+
+
+def test_the_usual_folders_for_compiled_loops_are_left_to_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    with compiled_loops.somewhere_for_compiled_loops():
+        assert "NUMBA_CACHE_DIR" not in os.environ
+
+
+@pytest.mark.skipif(shutil.which("ghdl") is None, reason="no ghdl")
+@pytest.mark.parametrize(
+    "arguments",
+    (("--engine", "ghdl"), ("--engine", "ghdl", "--port", "sim"), ("--engine", "verilator", "--port", "sim")),
+    ids=" ".join,
+)
+def test_a_checkout_that_cannot_be_written_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    root = Path(__file__).resolve().parents[1]
+    for name in ("rtl", "sim", "synth"):
+        (tmp_path / name).symlink_to(root / name)
+    (tmp_path / "build").touch()
+    monkeypatch.setenv("QUADSHADE_ROOT", str(tmp_path))
+    result = quadshade("render", "sphere:24", "-o", tmp_path / "a.png", "--size", "8x8", *arguments)
+    assert is_one_line(result) and result.stderr.endswith("; use --engine model\n")
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_the_exit_code_is_right_where_nothing_can_be_said() -> None:
+    program = [sys.executable, "-c", "from quadshade.cli.main import main; main()", "render"]
+    with open("/dev/full", "w") as full:
+        assert subprocess.run(program, stderr=full, check=False).returncode == 2
 
 
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"

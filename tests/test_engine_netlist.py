@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from quadshade.engine.ghdl import run_tool
 from quadshade.engine.netlist import TOP, repair_constants, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
@@ -97,3 +100,40 @@ def test_script_writes_a_file(tmp_path: Path) -> None:
     assert result.stdout == f"{output}\n"
     assert output.read_text() == write_netlist({"span_depth": 1}).read_text()
     assert [path.name for path in output.parent.iterdir()] == ["core.v"]
+
+
+@pytest.mark.parametrize(
+    ("script", "reason"),
+    [
+        ("exit 3", "exit code 3"),
+        ("kill -9 $$", "ended by signal 9"),
+        ("echo; echo one; echo a failure; exit 1", "a failure"),
+        ("echo one; echo two; exit 1", "one"),
+        ("printf '\\377 error'; exit 1", "\ufffd error"),
+    ],
+)
+def test_a_tool_that_fails_says_why(script: str, reason: str, tmp_path: Path) -> None:
+    with pytest.raises(QuadshadeError, match=f"^sh failed: {reason}$"):
+        run_tool(["sh", "-c", script], tmp_path)
+
+
+def test_what_a_tool_has_started_ends_with_the_program(tmp_path: Path) -> None:
+    """GHDL runs the program that it built as a child of its own."""
+    program = (
+        "import signal\n"
+        "from pathlib import Path\n"
+        "from quadshade.engine.ghdl import run_tool\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "run_tool(['sh', '-c', 'sleep 600 & echo $! > begun && mv begun child; wait'], Path.cwd())\n"
+    )
+    host = subprocess.Popen([sys.executable, "-c", program], cwd=tmp_path, stderr=subprocess.DEVNULL)
+    child = tmp_path / "child"
+    end = time.monotonic() + 60
+    while not child.exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    host.send_signal(signal.SIGINT)
+    assert host.wait(10) == -signal.SIGINT
+    status = Path("/proc") / child.read_text().strip() / "stat"
+    while status.exists() and ") Z " not in status.read_text() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not status.exists() or ") Z " in status.read_text()

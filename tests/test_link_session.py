@@ -226,6 +226,12 @@ def test_ports_that_cannot_be_opened(tmp_path: Path, monkeypatch: pytest.MonkeyP
         open_transport(str(tmp_path / "missing"))
     with pytest.raises(LinkError, match="is no serial port"):
         open_transport(str(tmp_path))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LinkError, match="is no serial port"):
+        open_transport(str(tmp_path / "file"))
+    for address in ("socket://", "socket://host", "socket://host:99999", "socket://host:x", "socket://:7777"):
+        with pytest.raises(LinkError, match="is no address; write socket://HOST:PORT"):
+            open_transport(address)
     with pytest.raises(LinkError, match="no URL that pyserial knows"):
         open_transport("nonsense://port")
     with pytest.raises(LinkError, match="baud rate is 'fast'"):

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -56,13 +59,15 @@ def test_a_sphere_of_a_count_has_exactly_that_count(stacks, slices):
     try:
         assert len(load_scene(f"sphere:{count}")) == count
     except QuadshadeError as error:
-        assert "nearest counts" in str(error)
+        assert "nearest counts" in str(error) or "least count" in str(error)
     assert len(load_scene(f"sphere:{stacks}x{slices}")) == count
 
 
 def test_an_impossible_count_names_the_nearest_possible_ones():
     with pytest.raises(QuadshadeError, match="nearest counts are 162 and 168"):
         load_scene("sphere:167")
+    with pytest.raises(QuadshadeError, match="the least count is 18$"):
+        load_scene("torus:2")
     assert [len(load_scene(f"sphere:{count}")) for count in (162, 168)] == [162, 168]
 
 
@@ -197,6 +202,58 @@ def test_a_bad_file_is_one_clear_error(tmp_path, name, content):
     with pytest.raises(QuadshadeError) as caught:
         load_scene(path)
     assert "\n" not in str(caught.value)
+
+
+OFF = "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 2 1 0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("nan.obj", "v 5 5 5\nv nan 0 0\nv 1 0 0\nf 1 2 3\n", "a vertex is [nan, 0.0, 0.0], not finite"),
+        ("zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3/1 0/2 1/3\n", "line 5 names vertex 0"),
+        ("last.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0", "line 4 names vertex 0"),
+        ("range.ply", "3 0 1 7", "a face names a vertex that does not exist"),
+        ("line.off", OFF.removesuffix("3 2 1 0\n"), "cut short"),
+        ("word.off", OFF.removesuffix(" 0\n"), "cut short"),
+        ("junk.gltf", "junk", "it is no JSON"),
+        ("alone.gltf", '{"buffers": [{"uri": "no.bin", "byteLength": 4}]}', "there is no no.bin beside it"),
+        ("x.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float a\nend_header\n1\n", "no 'x'"),
+    ],
+)
+def test_a_bad_file_is_named_with_what_is_wrong(tmp_path, name, content, reason):
+    header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    path = tmp_path / name
+    path.write_text(header + content if name == "range.ply" else content)
+    with pytest.raises(QuadshadeError) as caught:
+        load_scene(path)
+    assert str(path) in str(caught.value) and reason in str(caught.value)
+
+
+def test_zeros_elsewhere_in_a_text_file_are_no_faults(tmp_path):
+    path = tmp_path / "sound.obj"
+    path.write_text("# f 0 1 2\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 03/1/1\n")
+    assert len(load_scene(path)) == 1
+    path = tmp_path / "sound.off"
+    path.write_text("# of\nOFF 3 2 0\n\n" + OFF.partition("2 0\n")[2] + "trailing\n")
+    assert len(load_scene(path)) == 2
+    for path, what in (
+        (tmp_path, "no file or scene|a folder"),
+        (Path(os.devnull), "is no file|no such file"),
+    ):
+        with pytest.raises(QuadshadeError, match=what):
+            load_scene(path)
+
+
+def test_a_file_that_may_not_be_read_is_not_called_malformed(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied", "part.stl")
+
+    (tmp_path / "part.stl").touch()
+    monkeypatch.setattr(trimesh, "load_scene", refuse)
+    with pytest.raises(QuadshadeError, match=r"cannot read .*part.stl: Permission denied; give a mesh file$"):
+        load_scene(tmp_path / "part.stl")
 
 
 @pytest.mark.parametrize("crease", [-1, 181, float("nan")])

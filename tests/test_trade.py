@@ -192,6 +192,31 @@ def test_refused_points_say_why(tmp_path: Path) -> None:
     assert stored(tmp_path, "point") == measured.record
 
 
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("record.json", b""), ("record.json", b"{}"), ("record.json", b"[]"), ("picture.png", None)],
+)
+def test_a_damaged_point_is_measured_anew(tmp_path: Path, name: str, content: bytes | None) -> None:
+    few = ("sphere:24", "--size", "16x16", "--no-area", "--jobs", "1", "--fractions", "22", "-o", tmp_path)
+    few += ("--shadings", "flat", "--subdivisions", "none")
+    points = tmp_path / "points"
+    for other in ("mine", ".git", "flat-22-none-0123456789ab"):
+        (points / other).mkdir(parents=True)
+    assert "1 points, 0 from before" in trade(*few).output
+    (point,) = points.glob("*-*/record.json")
+    whole = {path.name: path.read_bytes() for path in point.parent.iterdir()}
+    damaged = point.with_name(name)
+    damaged.unlink()
+    if content is not None:
+        damaged.write_bytes(content)
+    run = trade(*few)
+    assert run.exit_code == 0 and "1 points, 0 from before" in run.output
+    assert {path.name: path.read_bytes() for path in point.parent.iterdir()} == whole
+    assert "1 points, 1 from before" in trade(*few).output
+    # What is somebody else's stays, a point of another sweep goes.
+    assert sorted(path.name for path in points.iterdir()) == [".git", point.parent.name, "mine"]
+
+
 def test_cells_are_counted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One small core: its cells are Yosys', and the second run takes them from where they are kept."""
     small = Formats(num_channels=1, with_depth=0, max_order=0, word_width=12, frac_bits=2, coord_bits=6)

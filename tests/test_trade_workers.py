@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +20,7 @@ from click.testing import CliRunner
 from distributed import Client, LocalCluster
 
 from quadshade.cli.main import main
+from quadshade.trade import workers
 
 SIZE = ("--size", "96x96", "--no-area", "--shadings", "flat,gouraud,quadratic")
 POINTS = 60
@@ -50,7 +53,7 @@ def test_a_killed_sweep_goes_on(tmp_path: Path) -> None:
     for path in before:
         assert {file.name for file in path.iterdir()} == {"record.json", "picture.png", "error.png"}
     # What a kill in the middle of writing leaves.
-    (folder / ".half" / "point").mkdir(parents=True)
+    (folder / ".half-1" / "point").mkdir(parents=True)
 
     run = trade(*fractions, "-o", tmp_path / "sweep", "--jobs", "1")
     assert run.exit_code == 0, run.output
@@ -96,6 +99,37 @@ def test_no_scheduler_is_one_line(tmp_path: Path, address: str, monkeypatch: pyt
     assert run.exit_code == 2
     assert run.output.startswith(f"quadshade: error: no Dask scheduler answers at {address}; start one by")
     assert len(run.output.splitlines()) == 1
+
+
+def test_another_server_is_no_scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("quadshade.trade.workers.CONNECT_SECONDS", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            with contextlib.suppress(OSError):
+                while True:
+                    caller, _ = server.accept()
+                    caller.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+
+        threading.Thread(target=answer, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        run = trade("-o", tmp_path, "--fractions", "8", "--subdivisions", "none", "--dask", address)
+    assert run.exit_code == 2
+    assert run.output.startswith(f"quadshade: error: no Dask scheduler answers at {address}; start one by")
+
+
+def test_no_more_processes_than_points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    real = workers.joblib.Parallel
+    monkeypatch.setattr(
+        workers.joblib,
+        "Parallel",
+        lambda n_jobs, **others: asked.append(n_jobs) or real(n_jobs=1, **others),
+    )
+    few = ("-o", tmp_path, "--fractions", "8,9", "--subdivisions", "none")
+    assert trade(*few, "--jobs", "200").exit_code == 0
+    assert asked == [6]
+    assert trade(*few, "--jobs", "100000").exit_code == 2
 
 
 def test_without_dask_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -301,6 +302,8 @@ def adapt(
         raise QuadshadeError(
             f"the allowed error is {max_error:g}", f"rounding the output costs {least:.3g} alone: give more"
         )
+    if budget is None and max_error == math.inf:
+        raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
     scene = projected, lights, material
     tried, reasons = [], {}
     for kind in SHADERS if shading == "auto" else (shading,):

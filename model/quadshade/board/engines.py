@@ -281,6 +281,9 @@ def start_engine(name: str, settings: BoardSettings) -> Engine:
     name = board_engine(name)
     if name == "model":
         return ModelEngine(settings)
-    if name == "verilator":
-        return ProgramEngine(verilator_board(settings.generics()))
-    return GhdlEngine(ghdl_board(settings.generics()))
+    try:
+        if name == "verilator":
+            return ProgramEngine(verilator_board(settings.generics()))
+        return GhdlEngine(ghdl_board(settings.generics()))
+    except OSError as problem:
+        raise QuadshadeError(f"the simulator's files: {problem}", "use --engine model") from None

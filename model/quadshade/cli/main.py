@@ -3,15 +3,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import warnings
-from importlib import import_module, metadata
-from typing import Any
+from typing import Any, NoReturn
 
-import click
+from quadshade.cli.interrupts import MESSAGE, ending_in_order, exit_code, is_interrupted, leave_at_once
 
-from quadshade.cli.interrupts import INTERRUPTED, MESSAGE, leave_at_once
-from quadshade.errors import QuadshadeError
+with leave_at_once():
+    from importlib import import_module, metadata
+
+    import click
+
+    from quadshade.cli.compiled_loops import somewhere_for_compiled_loops
+    from quadshade.errors import QuadshadeError
 
 BAD_INPUT = 2
 COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "info", "board")
@@ -26,18 +31,31 @@ class OneLineErrors(click.Group):
         if not standalone_mode:
             return super().main(*args, standalone_mode=False, **extra)
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), ending_in_order(), somewhere_for_compiled_loops():
                 # What matters is an error; numpy's and Pillow's warnings would be further lines on stderr.
                 if not sys.warnoptions:
                     warnings.simplefilter("ignore")
                 code = super().main(*args, standalone_mode=False, **extra)
         except (click.Abort, KeyboardInterrupt):
-            click.echo(MESSAGE, err=True)
-            sys.exit(INTERRUPTED)
+            _leave_interrupted()
         except (QuadshadeError, click.ClickException, OSError, MemoryError) as error:
-            click.echo(f"quadshade: error: {_one_line(error)}", err=True)
+            if is_interrupted():
+                _leave_interrupted()
+            _say(f"quadshade: error: {_one_line(error)}")
             sys.exit(BAD_INPUT)
+        except Exception:
+            # Numba's compiler raises others where it is interrupted.
+            if is_interrupted():
+                _leave_interrupted()
+            raise
         sys.exit(code if isinstance(code, int) else 0)
+
+    def invoke(self, context: click.Context) -> Any:
+        """Run a command; click would print an empty line after Ctrl-C."""
+        try:
+            return super().invoke(context)
+        except KeyboardInterrupt:
+            raise click.Abort from None
 
     def list_commands(self, context: click.Context) -> list[str]:
         """Names of the commands, in the order of the help."""
@@ -49,6 +67,18 @@ class OneLineErrors(click.Group):
             return None
         with leave_at_once():
             return getattr(import_module(f"quadshade.cli.{name}"), name)
+
+
+def _leave_interrupted() -> NoReturn:
+    """End as after Ctrl-C."""
+    _say(MESSAGE)
+    sys.exit(exit_code())
+
+
+def _say(text: str) -> None:
+    """A line on stderr, which a closed terminal does not take any more."""
+    with contextlib.suppress(OSError):
+        click.echo(text, err=True)
 
 
 def _one_line(error: BaseException) -> str:

@@ -101,9 +101,11 @@ def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
         folder = path.parent
         if not folder.is_dir():
             raise QuadshadeError(f"cannot write {path}: there is no folder {folder}", "make it first")
-        if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
-            raise QuadshadeError(f"cannot write {path}", "choose another path")
         place = os.path.realpath(path)
+        # The file is made beside the old one, which it then takes the place of.
+        needed = [os.path.dirname(place), *([path] if path.exists() else [])]
+        if path.is_dir() or not all(os.access(one, os.W_OK) for one in needed):
+            raise QuadshadeError(f"cannot write {path}", "choose another path")
         if place in taken:
             raise QuadshadeError(f"cannot write {path}: it {taken[place]}", "choose another path")
         taken[place] = "is given for two outputs"

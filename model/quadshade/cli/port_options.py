@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -16,6 +17,10 @@ from quadshade.errors import QuadshadeError
 
 if TYPE_CHECKING:
     from quadshade.board import Board, BoardSettings
+
+
+BOARD_ONLY = ("baud", "faults", "timeout", "trace", "pack_error")
+"""Options that mean nothing where an engine draws."""
 
 
 class Faults(click.ParamType):
@@ -37,6 +42,19 @@ class Faults(click.ParamType):
         if not 0 <= numbers[0] <= 1:
             self.fail(f"{value!r} is no rate of faults; write for example 1e-3 or 1e-3,7")
         return numbers
+
+
+class Seconds(click.FloatRange):
+    """A range of seconds, in which nan is not."""
+
+    name = "seconds"
+
+    def convert(self, value: object, param: click.Parameter | None, context: click.Context | None) -> float:
+        """The number, or a usage error."""
+        seconds = super().convert(value, param, context)
+        if math.isnan(seconds):
+            self.fail(f"{value!r} is not a number of seconds", param, context)
+        return seconds
 
 
 @dataclass(frozen=True)
@@ -94,7 +112,7 @@ def port_options(own_verify: bool = True, help_text: str = "The board") -> Calla
         ),
         click.option(
             "--timeout",
-            type=click.FloatRange(0.001, 1e6),
+            type=Seconds(0.001, 1e6),
             metavar="SECONDS",
             envvar="QUADSHADE_TIMEOUT",
             help="How long an answer may take; a board simulated elsewhere may need more.  [default: 0.5; "
@@ -132,8 +150,12 @@ def on_board(choice: PortChoice, engine: str | None) -> bool:
     Raises
     ------
     QuadshadeError
-      Both are asked for.
+      Both are asked for, or what only a board has without one.
     """
+    if not choice.port:
+        for name in BOARD_ONLY:
+            if is_given(name):
+                raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
     if not choice.port or choice.is_simulated:
         return bool(choice.port)
     if engine is not None and is_given("engine"):

@@ -75,6 +75,11 @@ def raster(
 
         raster_on_board(triangles_path, port_choice, engine, generics, output, stats, waves, setup_choice)
         return
+    if output.suffix.lower() == ".png":
+        raise QuadshadeError(
+            f"the output is {str(output)!r}, and an engine gives single pixels, not a picture",
+            "give a name that ends in .npz, or --port",
+        )
     triangles, formats = open_triangles(triangles_path, parse_generics(generics))
     engine = engine or default_engine()
     try:

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from quadshade.cli.port_options import is_given
 from quadshade.errors import QuadshadeError
 from quadshade.setup.terms import SETUPS
 from quadshade.setup.triangle_setup import MAX_ERROR, ROUNDINGS
@@ -99,6 +100,8 @@ def setup_options(methods: tuple[str, ...]) -> Callable:
             divide: float,
             **others: Any,
         ) -> Any:
+            if strict is not None and is_given("divide"):
+                raise QuadshadeError("--strict and --divide are given", "give one of them")
             choice = {
                 "fractional": stepping == "fractional",
                 "rounding": rounding,

@@ -180,7 +180,7 @@ def styled_choice(choice: StyleChoice, scene: SceneChoice) -> SceneChoice:
         scene = replace(scene, background="1")
     if choice.style == "cartoon":
         shading = scene.shading if scene.shading in SPECULAR_ORDERS else "quadratic-specular"
-        scene = replace(scene, shading=shading, toon=scene.toon or TOON_STEPS)
+        scene = replace(scene, shading=shading, toon=TOON_STEPS if scene.toon is None else scene.toon)
     return scene
 
 

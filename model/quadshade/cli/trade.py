@@ -75,7 +75,7 @@ def _fractions(text: str) -> tuple[int, ...]:
 @click.option("--engine", type=click.Choice(ENGINES), default="model", show_default=True)
 @click.option("--area/--no-area", default=True, show_default=True, help="Count cells by synthesis.")
 @click.option("--device", default="ecp5-25k-6", show_default=True, help="What cells are counted on.")
-@click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: all cores]")
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", help="Measure on a Dask cluster, e.g. tcp://host:8786.")
 @generic_option
 def trade(

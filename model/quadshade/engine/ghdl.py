@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 from pathlib import Path
@@ -51,18 +53,40 @@ def run_tool(command: list[str], cwd: Path) -> str:
       The tool is missing, or fails; with the first line it printed that names an error.
     """
     try:
-        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+        process = subprocess.Popen(
+            command,
+            cwd=cwd,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            # A group of its own, which can be ended as a whole.
+            start_new_session=True,
+        )
     except FileNotFoundError:
         raise QuadshadeError(
             f"{command[0]} is not installed", "run `make setup`, or use --engine model"
         ) from None
-    printed = done.stdout + done.stderr
-    if done.returncode != 0:
-        lines = [line for line in printed.splitlines() if "error" in line.lower() or "failure" in line] or [
-            printed.strip()
-        ]
-        raise QuadshadeError(f"{Path(command[0]).name} failed: {lines[0]}")
-    return done.stdout
+    try:
+        output, errors = process.communicate()
+    except BaseException:
+        # With what it has started: GHDL runs the program that it built, Verilator make and the compiler.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        raise
+    if process.returncode != 0:
+        said = [line for line in (output + errors).splitlines() if line.strip()]
+        named = [line for line in said if "error" in line.lower() or "failure" in line]
+        reason = (named or said or [_ending(process.returncode)])[0].strip()
+        raise QuadshadeError(f"{Path(command[0]).name} failed: {reason}")
+    return output
+
+
+def _ending(code: int) -> str:
+    """How a program ended that said nothing: its exit code, or the signal that ended it."""
+    return f"exit code {code}" if code > 0 else f"ended by signal {-code}"
 
 
 def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
@@ -160,8 +184,16 @@ def draw_ghdl(
     QuadshadeError
       GHDL is missing or fails.
     """
-    root = repository_root()
-    library = analyse(root)
+    try:
+        return _draw(words, formats, waves, stall_period, state)
+    except OSError as problem:
+        raise QuadshadeError(f"GHDL's files: {problem}", "use --engine model") from None
+
+
+def _draw(
+    words: np.ndarray, formats: Formats, waves: Path | None, stall_period: int, state: ShadeState | None
+) -> EmittedPixels:
+    library = analyse(repository_root())
     with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
         folder = Path(scratch)
         write_beats(words, formats, folder / "beats.txt")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from itertools import islice
 
@@ -77,7 +78,8 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
     unpacker, formats = WordUnpacker(frame.formats), frame.formats
     kinds = {FIELD_WIDTHS + index: name for index, (name, _) in enumerate(FIELD_KINDS)}
     held = unpacker.widths
-    for index, (start, end, lanes) in enumerate(islice(unpacker.packets(frame.words), most)):
+    shown = None if most is None else min(most, sys.maxsize)
+    for index, (start, end, lanes) in enumerate(islice(unpacker.packets(frame.words), shown)):
         widths = unpacker.widths
         changed = [
             f"{kinds.get(address, address)} {new}"

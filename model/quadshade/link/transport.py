@@ -7,10 +7,12 @@ import contextlib
 import errno
 import os
 import socket
+import termios
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
+from urllib.parse import urlsplit
 
 import serial
 
@@ -80,6 +82,8 @@ def _error_number(problem: BaseException | None) -> int | None:
             return problem.errno
         if "exclusively lock" in str(problem):
             return errno.EBUSY
+        if isinstance(problem, termios.error):
+            return problem.args[0]
         problem = problem.__cause__ or problem.__context__
     return None
 
@@ -93,6 +97,19 @@ def _open_error(port: str, problem: Exception) -> LinkError:
     if isinstance(problem, ValueError):
         return LinkError(f"{port} is no port and no URL that pyserial knows", "give a name as /dev/ttyUSB0")
     return LinkError(f"cannot open {port}: {problem}", "is it the right port?")
+
+
+def _check_address(port: str) -> None:
+    """Refuse a socket's URL without host or port, of which pyserial speaks in riddles."""
+    if not port.startswith("socket://"):
+        return
+    try:
+        parts = urlsplit(port)
+        is_whole = bool(parts.hostname and parts.port)
+    except ValueError:
+        is_whole = False
+    if not is_whole:
+        raise LinkError(f"{port} is no address", "write socket://HOST:PORT, the port from 1 to 65535")
 
 
 class SerialTransport:
@@ -122,6 +139,7 @@ class SerialTransport:
 
     @staticmethod
     def _open(port: str, baud: int) -> Any:
+        _check_address(port)
         options: dict[str, Any] = {"baudrate": baud, "timeout": 0, "write_timeout": WRITE_SECONDS}
         if "://" not in port:
             options["exclusive"] = True

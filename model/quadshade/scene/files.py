@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 
 TEXT_SUFFIXES = (".obj", ".off")
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off")
+VERTEX_0 = re.compile(r"^[ \t]*+f(?:[ \t]++[^0\s]\S*+)*+[ \t]++0++(?=[/\s]|$)", re.MULTILINE)
+"""A face of an OBJ with a 0 where a vertex is named; linear in the text."""
+
+OFF_WORDS = re.compile(r"\bC?OFF\b|#.*")
+"""What stands in an OFF besides numbers."""
 
 
 def load_scene(scene: str | Path, crease: float | None = None) -> Mesh:
@@ -60,7 +66,8 @@ def load_mesh(path: Path, crease: float | None = None) -> Mesh:
     import trimesh
 
     if not path.is_file():
-        what = "is a folder, not a file" if path.is_dir() else "does not exist"
+        what = "is no file" if path.exists() else "does not exist"
+        what = "is a folder, not a file" if path.is_dir() else what
         raise QuadshadeError(f"{path} {what}", "give a mesh file")
     if path.suffix.lower() not in SUFFIXES:
         raise QuadshadeError(f"{path} is no mesh file", f"give one of {', '.join(SUFFIXES)}")
@@ -68,17 +75,35 @@ def load_mesh(path: Path, crease: float | None = None) -> Mesh:
         loaded = _load(path)
         placed = [(loaded.geometry[name], matrix) for matrix, name in _placements(loaded)]
         parts = [_part(part, matrix) for part, matrix in placed if isinstance(part, trimesh.Trimesh)]
-    except QuadshadeError:
-        raise
+    except QuadshadeError as error:
+        text = error.message if str(path) in error.message else f"{path}: {error.message}"
+        raise QuadshadeError(text, error.hint) from None
+    except OSError as error:
+        if error.strerror is None:
+            raise QuadshadeError(f"cannot read {path}: {_reason(error)}", "the file is malformed") from None
+        raise QuadshadeError(f"cannot read {path}: {error.strerror}", "give a mesh file") from None
     except Exception as error:  # noqa: BLE001 - trimesh raises whatever its parsing stumbles over
-        # trimesh asks an optional package for the encoding of what ought to be text and is not.
-        guess = "neither binary nor text as it should be" if isinstance(error, ImportError) else str(error)
-        reason = " ".join(guess.split()) or type(error).__name__
-        raise QuadshadeError(f"cannot read {path}: {reason[:200]}", "the file is malformed") from None
+        raise QuadshadeError(f"cannot read {path}: {_reason(error)}", "the file is malformed") from None
     parts = [part for part in parts if len(part[1])]
     if not parts:
         raise QuadshadeError(f"{path} has no triangles", "give a mesh with faces")
     return _join(parts, crease)
+
+
+def _reason(error: Exception) -> str:
+    """What trimesh stumbled over, in words of at most 200 characters."""
+    text = " ".join(str(error).split())
+    if isinstance(error, ImportError):
+        # It asks an optional package for the encoding of what ought to be text and is not.
+        text = "neither binary nor text as it should be"
+    elif isinstance(error, FileNotFoundError):
+        # What is no JSON it takes for an archive of this.
+        text = "it is no JSON" if text == "model.gltf" else f"there is no {text} beside it"
+    elif isinstance(error, KeyError):
+        text = f"it has no {text}"
+    elif isinstance(error, UnicodeEncodeError):
+        text = "its name is not UTF-8"
+    return text[:200] or type(error).__name__
 
 
 def _load(path: Path) -> trimesh.Scene:
@@ -89,12 +114,27 @@ def _load(path: Path) -> trimesh.Scene:
     if path.suffix.lower() not in TEXT_SUFFIXES:
         return trimesh.load_scene(path, process=False)
     text = path.read_bytes().decode("utf-8-sig", errors="replace")
+    _check_text(path, text)
     return trimesh.load_scene(
         BytesIO(text.encode()),
         file_type=path.suffix.lower().lstrip("."),
         resolver=trimesh.resolvers.FilePathResolver(path),
         process=False,
     )
+
+
+def _check_text(path: Path, text: str) -> None:
+    """Refuse what trimesh would read as something else: an OBJ's vertex 0 as the last one, half an OFF."""
+    if path.suffix.lower() == ".obj":
+        if zero := VERTEX_0.search(text):
+            line = text.count("\n", 0, zero.end()) + 1
+            raise QuadshadeError(f"{path}: line {line} names vertex 0", "repair it: an OBJ counts from 1")
+        return
+    counts, *lines = [line for line in OFF_WORDS.sub("", text).splitlines() if line.strip()] or [""]
+    wanted = sum(int(count) for count in counts.split()[:2])
+    last = lines[wanted - 1].split() if 0 < wanted <= len(lines) else []
+    if wanted > len(lines) or (last and last[0].isdecimal() and len(last) <= int(last[0])):
+        raise QuadshadeError(f"{path} is cut short: vertices and faces are {wanted} lines", "repair the mesh")
 
 
 def _placements(loaded: trimesh.Scene) -> list[tuple[np.ndarray, str]]:
@@ -110,6 +150,10 @@ def _part(
     faces = np.array(part.faces, dtype=np.int64)
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise QuadshadeError("a face names a vertex that does not exist", "repair the mesh")
+    bad = vertices[~np.isfinite(vertices).all(axis=1)]
+    if len(faces) and len(bad):
+        # Which one of the file it is gets lost in trimesh.
+        raise QuadshadeError(f"a vertex is {bad[0].tolist()}, not finite", "repair the mesh")
     normals = None
     # trimesh computes the normals of a mesh that has none; only its cache tells which they are.
     if "vertex_normals" in part._cache.cache:

@@ -104,10 +104,8 @@ def _divide(
     if not found:
         below = next((number for number in range(count - 1, 0, -1) if possible(number)), None)
         above = next(number for number in itertools.count(count + 1) if possible(number))
-        nearest = f"{below} and {above}" if below else f"{above}"
-        raise QuadshadeError(
-            f"{scene}: no such mesh has {count} triangles", f"the nearest counts are {nearest}"
-        )
+        nearest = f"nearest counts are {below} and {above}" if below else f"least count is {above}"
+        raise QuadshadeError(f"{scene}: no such mesh has {count} triangles", f"the {nearest}")
     return min(found)[1:]
 
 

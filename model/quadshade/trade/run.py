@@ -174,7 +174,7 @@ def _measure_missing(
     done = reused = len(keys) - len(missing)
     tell("points", done, len(keys))
     if missing:
-        with workers(jobs, dask) as run:
+        with workers(min(jobs, len(missing)), dask) as run:
             calls = (
                 delayed(_measure_named)(point, keys[point], stages[point.subdivision], base, engine)
                 for point in missing
@@ -197,7 +197,7 @@ def _count_all(
     wanted = list(dict.fromkeys(configurations))
     tell("cores", 0, len(wanted))
     cells = {}
-    run = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    run = Parallel(n_jobs=min(jobs, len(wanted) or 1), prefer="threads", return_as="generator")
     for formats, counted in zip(wanted, run(delayed(count_cells)(f, device) for f in wanted), strict=True):
         cells[formats] = counted
         tell("cores", len(cells), len(wanted))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import shutil
 import tempfile
 from dataclasses import asdict
@@ -20,6 +21,11 @@ from quadshade.trade.point import Point
 from quadshade.trade.view import Stage, View
 
 RECORD = "record.json"
+PICTURES = ("picture.png", "error.png")
+SCRATCH = ".half-"
+KEY = re.compile(r"[\w.+-]+-[0-9a-f]{12}")
+"""What :func:`point_key` gives."""
+
 UNUSED = ("cli", "report", "synthesis")
 """Folders of the package whose code no point depends on."""
 
@@ -77,24 +83,35 @@ def point_key(point: Point, view: View, stage: str, base: Formats, engine: str) 
 def store(folder: Path, key: str, measured: Measured) -> None:
     """Write a point's record and pictures into a folder of its own, which appears when it is whole."""
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".") as scratch:
+    with tempfile.TemporaryDirectory(dir=folder, prefix=SCRATCH) as scratch:
         made = Path(scratch) / key
         made.mkdir()
         for name, content in measured.files.items():
             (made / name).write_bytes(content)
         (made / RECORD).write_text(json.dumps(measured.record, indent=1) + "\n")
-        if not (folder / key).exists():
+        if stored(folder, key) is None:
+            # What is there is damaged.
+            shutil.rmtree(folder / key, ignore_errors=True)
             made.rename(folder / key)
 
 
 def stored(folder: Path, key: str) -> dict | None:
-    """The record of a point that was measured before, or None."""
-    path = folder / key / RECORD
-    return json.loads(path.read_text()) if path.is_file() else None
+    """The record of a point that was measured before, or None; one that is damaged counts as none."""
+    try:
+        record = json.loads((folder / key / RECORD).read_text())
+        drawn = record["refused"] is None
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+    return record if not drawn or all((folder / key / name).is_file() for name in PICTURES) else None
 
 
 def forget_others(folder: Path, keys: set[str]) -> None:
-    """Remove the folders of points that are not of this sweep, and what a killed run left half-written."""
+    """
+    Remove the folders of points that are not of this sweep, and what a killed run left half-written.
+
+    What has no such name is somebody else's, and stays.
+    """
     for path in folder.iterdir():
-        if path.is_dir() and path.name not in keys:
+        ours = path.name.startswith(SCRATCH) or KEY.fullmatch(path.name)
+        if ours and path.is_dir() and path.name not in keys:
             shutil.rmtree(path, ignore_errors=True)

@@ -49,7 +49,8 @@ def _client(address: str) -> Any:
     hint = "start one by `dask scheduler`, and workers by `dask worker ADDRESS`"
     try:
         client = Client(address, timeout=CONNECT_SECONDS)
-    except (OSError, ValueError, TimeoutError):
+    except (OSError, ValueError, TimeoutError, MemoryError):
+        # The first bytes of what is no scheduler are taken for a length.
         raise QuadshadeError(f"no Dask scheduler answers at {address}", hint) from None
     if not client.scheduler_info()["workers"]:
         client.close()
