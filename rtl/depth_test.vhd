@@ -44,8 +44,8 @@ entity depth_test is
 
     -- No pixel is on its way, no clear in progress.
     idle : out std_ulogic;
-    -- Takes no pixels; from the next cycle on, while idle too, an address gives its depth, the greatest where
-    -- nothing was drawn, three cycles with look_enable later.
+    -- Takes no pixels; from the cycle after one in which it is idle too, an address gives its depth, the
+    -- greatest where nothing was drawn, three cycles with look_enable later.
     look : in std_ulogic;
     look_enable : in std_ulogic;
     look_address : in u_unsigned(address_bits(width * height) - 1 downto 0);
@@ -95,9 +95,9 @@ architecture rtl of depth_test is
 
   signal closed, filling : std_ulogic;
   signal fill_address : address_t;
-  signal advance, accept, on_screen, emptied, looking, read_enable : std_ulogic;
-  -- Late in its cycle, look need not reach the memory too.
-  signal look_reg : std_ulogic := '0';
+  signal advance, accept, on_screen, emptied, read_enable : std_ulogic;
+  -- A register: late in its cycle, look need not reach the memory too.
+  signal looking : std_ulogic := '0';
   signal read_address : address_t;
 
   signal emitted, shown : std_ulogic_vector(pixel_bits + depth_bits - 1 downto 0);
@@ -169,7 +169,7 @@ begin
   pipeline : process (clk)
   begin
     if rising_edge(clk) then
-      look_reg <= look;
+      looking <= look and emptied;
       if advance = '1' then
         valid_1 <= accept and on_screen;
         valid_2 <= valid_1;
@@ -212,7 +212,6 @@ begin
 
   busy <= closed;
   idle <= emptied and not closed;
-  looking <= look_reg and emptied;
   read_enable <= look_enable when looking = '1' else advance;
   read_address <= look_address when looking = '1' else address_2;
   look_depth <= (others => '1') when read_data(stored_bits - 1) = '1'
