@@ -57,9 +57,9 @@ def board(
     the board's own.
 
     \b
-    quadshade board --pty /tmp/quadshade
+    quadshade board --pty ./board.tty
     quadshade board --tcp 7777 --engine model --screen 320x240
-    quadshade board --pty /tmp/quadshade --board icebreaker
+    quadshade board --pty ./board.tty --board icebreaker
     """
     from quadshade.board.engines import board_engine, start_engine
     from quadshade.board.lines import PtyLine, TcpLine, tcp_address
