@@ -11,33 +11,15 @@ from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapped import cell_models
+from yosys_proof import prove_equal
 
 UNIT = "load_adder"
 
 
 def prove(cells: str, module: str, folder: Path) -> None:
     """Prove that the cells' module equals ``module``, for all inputs."""
-    (folder / "module.v").write_text(module)
-    (folder / "cells.v").write_text(cells)
-    (folder / "models.v").write_text(cell_models("ecp5"))
-    commands = [
-        "read_verilog module.v",
-        f"rename {UNIT} expected",
-        "read_verilog models.v cells.v",
-        "hierarchy",
-        "proc",
-        f"select {UNIT} expected",
-        "flatten",
-        "select -clear",
-        f"miter -equiv -make_outputs {UNIT} expected both",
-        "hierarchy -top both",
-        "flatten",
-        "opt",
-        "sat -verify -prove trigger 0 both",
-    ]
-    run_yosys(commands, folder)
+    prove_equal(UNIT, module, cells, cell_models("ecp5"), folder)
 
 
 def sources(width: int, with_carry: int) -> tuple[str, str]:

@@ -14,10 +14,9 @@ from pathlib import Path
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
-from quadshade.synthesis.block_registers import absorb_in_file
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
-from quadshade.synthesis.flow import find_tool, run_tool, run_yosys, tool_version
+from quadshade.synthesis.flow import find_tool, run_tool, tool_version, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 ENTITY = "board"
@@ -219,9 +218,8 @@ def build(
     # The tops hold cells of the device, which only synthesis itself knows: it checks the hierarchy.
     commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
     defines = "".join(f" -D {name}={value}" for name, value in board.defines.items())
-    run_yosys([f"read_verilog{defines} {names}", *commands, "write_json mapped.json"], folder)
-    if board.family == "ecp5":
-        moved = absorb_in_file(folder / "mapped.json", TOP)
+    commands = [f"read_verilog{defines} {names}", *commands]
+    if moved := write_mapped(commands, folder / "mapped.json", TOP, board.device):
         progress(f"{board.name}: {moved} flip-flops are those of block RAM")
     tries = []
     for seed in seeds:

@@ -192,6 +192,33 @@ def _hash(*parts: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
 
 
+def write_mapped(commands: Sequence[str], path: Path, top: str, device: Device) -> int:
+    """
+    Run Yosys on a design and write what nextpnr reads; on ECP5 with the registers behind block RAM in it.
+
+    Parameters
+    ----------
+    commands : sequence of str
+      That read and map it: :func:`quadshade.synthesis.mapping.mapping_commands`.
+    path : Path
+      Of the JSON; Yosys works in its folder.
+    top : str
+    device : Device
+
+    Returns
+    -------
+    int
+      Flip-flops that went into block RAM.
+
+    Raises
+    ------
+    QuadshadeError
+      Yosys fails.
+    """
+    run_yosys([*commands, f"write_json {path.name}"], path.parent)
+    return absorb_in_file(path, top) if device.family == "ecp5" else 0
+
+
 def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     """
     A netlist mapped to a device's cells, alone and in its harness.
@@ -219,7 +246,6 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     verilog = with_cells(netlist.read_text(), device.family, root)
     harness = write_harness(module_ports(verilog, top), top)
     parts = "".join(path.read_text() for path in sorted((root / "synth" / "harness").glob("*.v")))
-    with_block_ram = device.family == "ecp5" and "block_ram" in verilog
     alone = [
         f"read_verilog {netlist.name}",
         *LIBRARY[device.family],
@@ -228,19 +254,16 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     ]
     alone += [*mapping_commands(device, top), f"tee -q -o stat.json stat -json -top {top}"]
     whole = [f"read_verilog {netlist.name} parts.v harness.v", *mapping_commands(device, HARNESS)]
-    whole += ["write_json harness.json"]
 
     def make(folder: Path) -> None:
         (folder / netlist.name).write_text(verilog)
         (folder / "parts.v").write_text(parts)
         (folder / "harness.v").write_text(harness)
-        for commands in (alone, whole):
-            run_yosys(commands, folder)
-        if with_block_ram:
-            absorb_in_file(folder / "harness.json", HARNESS)
+        run_yosys(alone, folder)
+        write_mapped(whole, folder / "harness.json", HARNESS, device)
 
-    absorbing = (inspect.getsource(block_registers),) if with_block_ram else ()
-    name = _hash(verilog, harness, parts, *alone, *whole, *absorbing, tool_version(YOSYS))
+    absorbing = inspect.getsource(block_registers)
+    name = _hash(verilog, harness, parts, *alone, *whole, absorbing, tool_version(YOSYS))
     return once(root / "build" / "synth" / "mapped", name, make)
 
 
