@@ -36,6 +36,8 @@ CONFIGS = [
     Config(num_words=375, bank_words=64, read_stages=3),
     Config(num_words=385, bank_words=128, read_stages=3),
     Config(num_words=300, data_bits=1, read_stages=3),
+    Config(read_stages=4),
+    Config(num_words=385, bank_words=128, read_stages=4),
 ]
 
 

@@ -11,7 +11,7 @@ import cocotb
 import pytest
 
 from bench import SPEEDS, Bench
-from quadshade.golden.framebuffer import Framebuffer
+from quadshade.golden.block_ram import BlockRam
 from simulation import identifier, simulate
 
 PIXEL = ("x", "y", "value")
@@ -58,12 +58,11 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
     await bench.start(*INPUTS)
     # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
     offers, looks = SPEEDS[pixels](bench.draw), SPEEDS[reads](bench.draw)
-    model = Framebuffer(config.width, config.height)
+    memory = BlockRam(4 - 2 * config.single_port)
+    memory.fill(0, words)
     # Pixels are readable three cycles after they are accepted; one being written may read as anything.
     coming: deque[list[tuple[int, int, int]]] = deque([[], []])
-    # The read port's registers, the last one shown.
-    fetched = [None] * (3 - config.single_port)
-    busy = words
+    busy, was_busy = words, True
     for index in range(words + 1600):
         offered = None
         if next(offers):
@@ -87,19 +86,19 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
         await bench.edge()
         bench.check("busy", bool(dut.busy.value), busy > 0, index)
         bench.check("pixel_ready", bool(dut.pixel_ready.value), busy == 0, index)
-        if fetched[-1] is not None:
-            bench.check("read_value", int(dut.read_value.value), fetched[-1], index)
-        written = coming.popleft()
-        if look:
-            fetched = [model.words[address], *fetched[:-1]]
-            if busy > 0 or any(y * config.width + x == address for x, y, _ in written):
-                fetched[0] = None
-        if config.single_port and (
-            busy > 0 or any(x < config.width and y < config.height for x, y, _ in written)
-        ):
-            fetched[0] = None
-        for pixel in written:
-            model.write(*pixel)
+        if memory.read_data is not None:
+            bench.check("read_value", int(dut.read_value.value), memory.read_data, index)
+        write = None
+        for x, y, pixel in coming.popleft():
+            if x < config.width and y < config.height:
+                write = (y * config.width + x, pixel)
+        memory.clock(write, address if look else None)
+        # The fill's last word is written in the cycle after it, at the latest.
+        if look and (busy > 0 or was_busy):
+            memory.fetched[0] = None
+        if config.single_port and (busy > 0 or write is not None):
+            memory.fetched[0] = None
+        was_busy = busy > 0
         coming.append([tuple(offered)] if offered is not None and busy == 0 else [])
         if busy == 0 and clear:
             # Those on their way are written first, so the fill may cover them at once here.
@@ -111,7 +110,7 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
             )
             busy = words + 1 + waits
             coming = deque([[], []])
-            model.clear(value)
+            memory.fill(value, words)
         elif busy > 0:
             busy -= 1
     bench.finish(at_least=3000)

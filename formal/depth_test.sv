@@ -20,8 +20,7 @@ module depth_test_properties #(
   input [coord_bits - 1:0] pixel_x,
   input [coord_bits - 1:0] pixel_y,
   input [value_bits - 1:0] pixel_value,
-  input [depth_bits - 1:0] pixel_depth,
-  input kept_ready
+  input [depth_bits - 1:0] pixel_depth
 );
 
   localparam words = width * height;
@@ -29,17 +28,17 @@ module depth_test_properties #(
   localparam pixel_bits = value_bits + 2 * coord_bits;
   localparam [depth_bits:0] empty = 1 << depth_bits;
 
-  wire busy, drained, pixel_ready, kept_valid;
+  wire busy, drained, idle, pixel_ready, kept_valid;
   wire [coord_bits - 1:0] kept_x, kept_y;
   wire [value_bits - 1:0] kept_value;
   wire [depth_bits - 1:0] kept_depth;
 
   depth_test dut (
-    .clk(clk), .reset(reset), .clear(clear), .busy(busy), .drained(drained),
+    .clk(clk), .reset(reset), .clear(clear), .busy(busy), .drained(drained), .idle(idle),
     .pixel_valid(pixel_valid), .pixel_ready(pixel_ready), .pixel_x(pixel_x), .pixel_y(pixel_y),
     .pixel_value(pixel_value), .pixel_depth(pixel_depth),
     .look(look), .look_enable(look_enable), .look_address(look_address),
-    .kept_valid(kept_valid), .kept_ready(kept_ready), .kept_x(kept_x), .kept_y(kept_y),
+    .kept_valid(kept_valid), .kept_x(kept_x), .kept_y(kept_y),
     .kept_value(kept_value), .kept_depth(kept_depth)
   );
 
@@ -48,15 +47,15 @@ module depth_test_properties #(
   (* hierconn *) wire \dut.valid_3 ;
   (* hierconn *) wire \dut.valid_4 ;
   (* hierconn *) wire \dut.valid_5 ;
-  (* hierconn *) wire \dut.kept_6 ;
+  (* hierconn *) wire \dut.valid_6 ;
+  (* hierconn *) wire \dut.kept_7 ;
   (* hierconn *) wire \dut.passed_3 ;
   (* hierconn *) wire \dut.passed_4 ;
   (* hierconn *) wire \dut.passed_5 ;
-  (* hierconn *) wire \dut.same_5 ;
+  (* hierconn *) wire \dut.passed_6 ;
+  (* hierconn *) wire \dut.same_6 ;
   (* hierconn *) wire \dut.filling ;
   (* hierconn *) wire \dut.clear_inst.draining ;
-  (* hierconn *) wire \dut.advance ;
-  (* hierconn *) wire \dut.read_enable ;
   (* hierconn *) wire [address_bits - 1:0] \dut.read_address ;
   (* hierconn *) wire \dut.write_enable ;
   (* hierconn *) wire [address_bits - 1:0] \dut.row_1 ;
@@ -65,6 +64,7 @@ module depth_test_properties #(
   (* hierconn *) wire [address_bits - 1:0] \dut.address_4 ;
   (* hierconn *) wire [address_bits - 1:0] \dut.address_5 ;
   (* hierconn *) wire [address_bits - 1:0] \dut.address_6 ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.address_7 ;
   (* hierconn *) wire [address_bits - 1:0] \dut.write_address ;
   (* hierconn *) wire [address_bits - 1:0] \dut.fill_address ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.depth_1 ;
@@ -73,9 +73,11 @@ module depth_test_properties #(
   (* hierconn *) wire [depth_bits - 1:0] \dut.depth_4 ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.depth_5 ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.depth_6 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.depth_7 ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_3 ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_4 ;
   (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_5 ;
+  (* hierconn *) wire [depth_bits - 1:0] \dut.passed_depth_6 ;
   (* hierconn *) wire [depth_bits:0] \dut.read_data ;
   (* hierconn *) wire [depth_bits:0] \dut.write_data ;
   (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_1 ;
@@ -84,6 +86,7 @@ module depth_test_properties #(
   (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_4 ;
   (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_5 ;
   (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_6 ;
+  (* hierconn *) wire [pixel_bits - 1:0] \dut.pixel_7 ;
 
   (* anyconst *) wire [coord_bits - 1:0] x, y;
   always @* assume (x < width && y < height);
@@ -94,86 +97,98 @@ module depth_test_properties #(
     same = one[depth_bits] ? other[depth_bits] : one == other;
   endfunction
 
-  // The memory, at this place: its word; whether the three registers of the read port hold it for certain.
-  reg [depth_bits:0] word, fetched, banked, read;
-  reg fetched_known = 0, banked_known = 0, read_known = 0;
+  wire any = \dut.valid_1 || \dut.valid_2 || \dut.valid_3 || \dut.valid_4 || \dut.valid_5 || \dut.valid_6
+    || \dut.kept_7 ;
+
+  // What the port asks for: while pixels are on their way the memory moves.
+  always @* assume (look_enable || (look && !any));
+
+  // The memory, at this place: its word; whether the four registers of the read port lead to it for certain.
+  // Both ports come a cycle late to the blocks, so a read meets the words that were written before it.
+  reg [depth_bits:0] word, asked, fetched, banked, read;
+  reg asked_known = 0, fetched_known = 0, banked_known = 0, read_known = 0;
   wire written = \dut.write_enable && \dut.write_address == place;
   always @(posedge clk) begin
     if (written) word <= \dut.write_data ;
-    if (\dut.read_enable ) begin
-      fetched <= word;
-      fetched_known <= \dut.read_address == place && !written;
+    if (look_enable) begin
+      asked <= word;
+      asked_known <= \dut.read_address == place && !written;
+      {fetched, fetched_known} <= {asked, asked_known};
       {banked, banked_known} <= {fetched, fetched_known};
       {read, read_known} <= {banked, banked_known};
     end
   end
   always @* if (read_known) assume (\dut.read_data == read);
 
-  // The ideal z-buffer at this place, after the pixel in stage k and all ahead of it; stage 7 has left.
-  reg [depth_bits:0] ideal_1 = empty, ideal_2 = empty, ideal_3 = empty;
-  reg [depth_bits:0] ideal_4 = empty, ideal_5 = empty, ideal_6 = empty, ideal_7 = empty;
-  reg hit_1 = 0, hit_2 = 0, hit_3 = 0, hit_4 = 0, hit_5 = 0;
-  reg won_1 = 0, won_2 = 0, won_3 = 0, won_4 = 0, won_5 = 0, won_6 = 0;
-  reg [pixel_bits - 1:0] pixel_1, pixel_2, pixel_3, pixel_4, pixel_5, pixel_6;
+  // The ideal z-buffer at this place, after the pixel in stage k and all ahead of it; stage 8 has left.
+  reg [depth_bits:0] ideal_1 = empty, ideal_2 = empty, ideal_3 = empty, ideal_4 = empty;
+  reg [depth_bits:0] ideal_5 = empty, ideal_6 = empty, ideal_7 = empty, ideal_8 = empty;
+  reg hit_1 = 0, hit_2 = 0, hit_3 = 0, hit_4 = 0, hit_5 = 0, hit_6 = 0;
+  reg won_1 = 0, won_2 = 0, won_3 = 0, won_4 = 0, won_5 = 0, won_6 = 0, won_7 = 0;
+  reg [pixel_bits - 1:0] pixel_1, pixel_2, pixel_3, pixel_4, pixel_5, pixel_6, pixel_7;
   reg cleared = 1;
   wire hit = pixel_valid && pixel_ready && pixel_x == x && pixel_y == y;
   wire win = hit && pixel_depth < ideal_1;
   always @(posedge clk) begin
-    if (\dut.advance ) begin
-      ideal_1 <= win ? pixel_depth : ideal_1;
-      {hit_1, hit_2, hit_3, hit_4, hit_5} <= {hit, hit_1, hit_2, hit_3, hit_4};
-      {won_1, won_2, won_3, won_4, won_5, won_6} <= {win, won_1, won_2, won_3, won_4, won_5};
-      {ideal_2, ideal_3, ideal_4} <= {ideal_1, ideal_2, ideal_3};
-      {ideal_5, ideal_6, ideal_7} <= {ideal_4, ideal_5, ideal_6};
-      pixel_1 <= {pixel_value, pixel_y, pixel_x};
-      {pixel_2, pixel_3, pixel_4, pixel_5, pixel_6} <= {pixel_1, pixel_2, pixel_3, pixel_4, pixel_5};
-    end
+    ideal_1 <= win ? pixel_depth : ideal_1;
+    {hit_1, hit_2, hit_3, hit_4, hit_5, hit_6} <= {hit, hit_1, hit_2, hit_3, hit_4, hit_5};
+    {won_1, won_2, won_3, won_4, won_5, won_6, won_7} <= {win, won_1, won_2, won_3, won_4, won_5, won_6};
+    {ideal_2, ideal_3, ideal_4} <= {ideal_1, ideal_2, ideal_3};
+    {ideal_5, ideal_6, ideal_7, ideal_8} <= {ideal_4, ideal_5, ideal_6, ideal_7};
+    pixel_1 <= {pixel_value, pixel_y, pixel_x};
+    {pixel_2, pixel_3, pixel_4} <= {pixel_1, pixel_2, pixel_3};
+    {pixel_5, pixel_6, pixel_7} <= {pixel_4, pixel_5, pixel_6};
     if (clear && !busy) cleared <= 0;
     if (drained) cleared <= 1;
     if (reset || drained) begin
       cleared <= 1;
-      {hit_1, hit_2, hit_3, hit_4, hit_5} <= 0;
-      {won_1, won_2, won_3, won_4, won_5, won_6} <= 0;
-      {ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6, ideal_7} <= {7{empty}};
+      {hit_1, hit_2, hit_3, hit_4, hit_5, hit_6} <= 0;
+      {won_1, won_2, won_3, won_4, won_5, won_6, won_7} <= 0;
+      {ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6, ideal_7, ideal_8} <= {8{empty}};
     end
   end
 
-  wire any = \dut.valid_1 || \dut.valid_2 || \dut.valid_3 || \dut.valid_4 || \dut.valid_5 || \dut.kept_6 ;
   always @* begin
     // What is claimed: a pixel of this place is kept if and only if the ideal z-buffer keeps it.
-    assert (won_6 == (\dut.kept_6 && \dut.address_6 == place));
-    if (won_6) assert (\dut.pixel_6 == pixel_6);
+    assert (won_7 == (kept_valid && \dut.address_7 == place));
+    if (won_7) assert ({kept_value, kept_y, kept_x} == pixel_7 && kept_depth == ideal_7);
     if (drained) assert (!any && !kept_valid);
     if (!busy) assert (cleared);
     if (busy) assert (!pixel_ready);
+    assert (idle == (!any && !busy));
 
     // Why it holds, stage by stage.
+    assert (kept_valid == \dut.kept_7 );
     if (\dut.valid_1 ) assert (\dut.row_1 + \dut.pixel_1 [coord_bits - 1:0] < words);
     assert (hit_1 == (\dut.valid_1 && \dut.row_1 + \dut.pixel_1 [coord_bits - 1:0] == place));
     assert (hit_2 == (\dut.valid_2 && \dut.address_2 == place));
     assert (hit_3 == (\dut.valid_3 && \dut.address_3 == place));
     assert (hit_4 == (\dut.valid_4 && \dut.address_4 == place));
     assert (hit_5 == (\dut.valid_5 && \dut.address_5 == place));
+    assert (hit_6 == (\dut.valid_6 && \dut.address_6 == place));
     if (hit_1) assert (\dut.pixel_1 == pixel_1);
     if (hit_2) assert (\dut.pixel_2 == pixel_2);
     if (hit_3) assert (\dut.pixel_3 == pixel_3);
     if (hit_4) assert (\dut.pixel_4 == pixel_4);
     if (hit_5) assert (\dut.pixel_5 == pixel_5);
+    if (hit_6) assert (\dut.pixel_6 == pixel_6);
     assert (won_1 == (hit_1 && \dut.depth_1 < ideal_2) && ideal_1 == (won_1 ? \dut.depth_1 : ideal_2));
     assert (won_2 == (hit_2 && \dut.depth_2 < ideal_3) && ideal_2 == (won_2 ? \dut.depth_2 : ideal_3));
     assert (won_3 == (hit_3 && \dut.depth_3 < ideal_4) && ideal_3 == (won_3 ? \dut.depth_3 : ideal_4));
     assert (won_4 == (hit_4 && \dut.depth_4 < ideal_5) && ideal_4 == (won_4 ? \dut.depth_4 : ideal_5));
     assert (won_5 == (hit_5 && \dut.depth_5 < ideal_6) && ideal_5 == (won_5 ? \dut.depth_5 : ideal_6));
-    assert (ideal_6 == (won_6 ? \dut.depth_6 : ideal_7));
-    if (hit_3 && \dut.passed_3 ) assert (ideal_7 == \dut.passed_depth_3 );
-    if (hit_3 && !\dut.passed_3 ) assert (fetched_known && same(fetched, ideal_7));
-    if (hit_4 && \dut.passed_4 ) assert (ideal_7 == \dut.passed_depth_4 );
-    if (hit_4 && !\dut.passed_4 ) assert (banked_known && same(banked, ideal_7));
-    if (hit_5 && \dut.passed_5 ) assert (ideal_7 == \dut.passed_depth_5 );
-    if (hit_5 && !\dut.passed_5 ) assert (read_known && same(read, ideal_7));
-    if (hit_5) assert (\dut.same_5 == (\dut.address_6 == place));
-    if (!\dut.filling ) assert (same(word, ideal_6) || same(word, ideal_7));
-    if (!\dut.filling && !won_6) assert (same(word, ideal_7));
+    assert (won_6 == (hit_6 && \dut.depth_6 < ideal_7) && ideal_6 == (won_6 ? \dut.depth_6 : ideal_7));
+    assert (ideal_7 == (won_7 ? \dut.depth_7 : ideal_8));
+    if (hit_3 && \dut.passed_3 ) assert (ideal_8 == \dut.passed_depth_3 );
+    if (hit_3 && !\dut.passed_3 ) assert (asked_known && same(asked, ideal_8));
+    if (hit_4 && \dut.passed_4 ) assert (ideal_8 == \dut.passed_depth_4 );
+    if (hit_4 && !\dut.passed_4 ) assert (fetched_known && same(fetched, ideal_8));
+    if (hit_5 && \dut.passed_5 ) assert (ideal_8 == \dut.passed_depth_5 );
+    if (hit_5 && !\dut.passed_5 ) assert (banked_known && same(banked, ideal_8));
+    if (hit_6 && \dut.passed_6 ) assert (ideal_8 == \dut.passed_depth_6 );
+    if (hit_6 && !\dut.passed_6 ) assert (read_known && same(read, ideal_8));
+    if (hit_6) assert (\dut.same_6 == (\dut.address_7 == place));
+    if (!\dut.filling ) assert (same(word, ideal_8));
 
     // The fill.
     assert (busy == (\dut.filling || \dut.clear_inst.draining ));
@@ -181,19 +196,11 @@ module depth_test_properties #(
     assert (\dut.fill_address < words && (\dut.filling || \dut.fill_address == 0));
     if (\dut.filling ) assert (cleared && !any);
     if (\dut.filling && \dut.fill_address > place) assert (word[depth_bits]);
-    if (busy && cleared)
-      assert ({ideal_1, ideal_2, ideal_3, ideal_4, ideal_5, ideal_6, ideal_7} == {7{empty}});
+    if (busy && cleared) begin
+      assert ({ideal_1, ideal_2, ideal_3, ideal_4} == {4{empty}});
+      assert ({ideal_5, ideal_6, ideal_7, ideal_8} == {4{empty}});
+    end
     if (\dut.clear_inst.draining ) assert (!cleared);
   end
-
-  // AXI4-Stream: a shown pixel stays until it is taken.
-  wire [pixel_bits + depth_bits - 1:0] shown = {kept_depth, kept_value, kept_y, kept_x};
-  reg held = 0;
-  reg [pixel_bits + depth_bits - 1:0] held_pixel;
-  always @(posedge clk) begin
-    held <= kept_valid && !kept_ready && !reset;
-    held_pixel <= shown;
-  end
-  always @* if (held) assert (kept_valid && shown == held_pixel);
 
 endmodule

@@ -59,8 +59,8 @@ module frame_fifo_properties #(
     assert (overflow == too_long);
     if (read_valid) assert (ready != 0);
     if (was_shown) assert (read_valid);
-    // From the fetch on until it is taken.
-    if (\dut.place != 0) assert (!(\dut.store && same_word));
+    // From the first read of it on until it is taken.
+    if (ready != 0) assert (!(\dut.store && same_word));
   end
 
   // What makes it inductive.

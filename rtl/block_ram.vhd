@@ -5,7 +5,8 @@
 --
 -- Model: block_ram.py.  Test: test_block_ram.py.  Latency: read_stages enabled cycles.  A word in and out per
 -- cycle. A memory of many blocks needs three at 100 MHz: a block's word comes late in the cycle, its register
--- stands beside it, and behind the multiplexer of all banks stands the last one.
+-- stands beside it, and behind the multiplexer of all banks stands the last one. One of the whole device needs
+-- a fourth: the way to its blocks takes a cycle, with nothing but wires on it.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -20,7 +21,8 @@ entity block_ram is
     -- What a block RAM of ECP5 holds a bit wide. A memory is made of banks of that size, and of halves of it
     -- for what is left, so that every bank is as deep as its blocks and has no multiplexer of its own.
     bank_words : positive := 16384;
-    -- 2: the block's own register and that behind the banks; 3: one of each bank between them.
+    -- 2: the block's own register and that behind the banks; 3: one of each bank between them; 4: both ports
+    -- are registers first, a write's too.
     read_stages : positive := 2
   );
   port (
@@ -123,6 +125,12 @@ architecture rtl of block_ram is
     return found;
   end function;
 
+  -- What goes to the blocks.
+  subtype address_t is u_unsigned(address_bits(num_words) - 1 downto 0);
+  signal bank_writes : std_ulogic_vector(bank_t);
+  signal put_address, get_address : address_t;
+  signal put_data : std_ulogic_vector(data_bits - 1 downto 0);
+
 begin
 
   assert 2**address_bits(bank_words) = bank_words
@@ -144,27 +152,55 @@ begin
       ports : process (clk)
       begin
         if rising_edge(clk) then
-          if write_enable = '1' and is_in(write_address, bank) then
-            words(to_integer(resize(write_address, place_bits))) <= write_data(high downto low);
+          if bank_writes(bank) = '1' then
+            words(to_integer(resize(put_address, place_bits))) <= put_data(high downto low);
           end if;
           if read_enable = '1' then
-            fetched(bank)(high downto low) <= words(to_integer(resize(read_address, place_bits)));
+            fetched(bank)(high downto low) <= words(to_integer(resize(get_address, place_bits)));
           end if;
         end if;
       end process;
     end generate;
   end generate;
 
-  assert read_stages = 2 or read_stages = 3
-    report "block_ram: read_stages is " & integer'image(read_stages) & ", must be 2 or 3"
+  assert read_stages >= 2 and read_stages <= 4
+    report "block_ram: read_stages is " & integer'image(read_stages) & ", must be 2, 3 or 4"
     severity failure;
 
-  two_gen : if read_stages = 2 generate
+  at_once_gen : if read_stages < 4 generate
+    bank_gen : for bank in bank_t generate
+      bank_writes(bank) <= '1' when write_enable = '1' and is_in(write_address, bank) else '0';
+    end generate;
+    put_address <= write_address;
+    put_data <= write_data;
+    get_address <= read_address;
+  end generate;
+
+  registers_gen : if read_stages = 4 generate
+    ways : process (clk)
+    begin
+      if rising_edge(clk) then
+        bank_writes <= (others => '0');
+        for bank in bank_t loop
+          if write_enable = '1' and is_in(write_address, bank) then
+            bank_writes(bank) <= '1';
+          end if;
+        end loop;
+        put_address <= write_address;
+        put_data <= write_data;
+        if read_enable = '1' then
+          get_address <= read_address;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  beside_gen : if read_stages = 2 generate
     banked <= fetched;
     bank_shown <= bank_read;
   end generate;
 
-  three_gen : if read_stages = 3 generate
+  behind_gen : if read_stages > 2 generate
     banks : process (clk)
     begin
       if rising_edge(clk) then
@@ -180,7 +216,7 @@ begin
   begin
     if rising_edge(clk) then
       if read_enable = '1' then
-        bank_read <= bank_of(read_address);
+        bank_read <= bank_of(get_address);
         read_reg <= banked(bank_shown);
       end if;
     end if;

@@ -5,7 +5,8 @@
 --
 -- Model: depth_test.py.  Test: test_depth_test.py.
 -- Latency: 7 cycles.  One pixel per cycle, whatever places follow each other: a pixel is compared with the
--- four ahead of it, whose depths are not yet in the memory, on its way.
+-- five ahead of it, whose depths are not yet in the memory, on its way. No pixel stands still on it, so nothing
+-- stops the memory: what takes the kept ones takes one in every cycle.
 -- Clear: width * height + 1 cycles once the pixels ahead have left. Generation bits that spare most fills
 -- were weighed: two bits a word more, and a fill of 320 x 240 is 0.8 ms at 100 MHz, where a serial line of
 -- 1 Mbaud needs half a second for a scene.  Depths are read, instead of new pixels, while it is idle.
@@ -45,14 +46,14 @@ entity depth_test is
     -- No pixel is on its way, no clear in progress.
     idle : out std_ulogic;
     -- Takes no pixels; from the cycle after one in which it is idle too, an address gives its depth, the
-    -- greatest where nothing was drawn, three cycles with look_enable later.
+    -- greatest where nothing was drawn, four cycles with look_enable later.
     look : in std_ulogic;
+    -- Moves all registers of the memory: high but while it is looked at.
     look_enable : in std_ulogic;
     look_address : in u_unsigned(address_bits(width * height) - 1 downto 0);
     look_depth : out u_unsigned(depth_bits - 1 downto 0);
 
     kept_valid : out std_ulogic;
-    kept_ready : in std_ulogic;
     kept_x : out u_unsigned(coord_bits - 1 downto 0);
     kept_y : out u_unsigned(coord_bits - 1 downto 0);
     kept_value : out u_unsigned(value_bits - 1 downto 0);
@@ -72,22 +73,22 @@ architecture rtl of depth_test is
   subtype depth_t is u_unsigned(depth_bits - 1 downto 0);
   subtype pixel_t is u_unsigned(pixel_bits - 1 downto 0);
 
-  -- Numbered by stage: row of the pixel, its address, thrice the memory's registers, kept or not.
-  signal valid_1, valid_2, valid_3, valid_4, valid_5 : std_ulogic := '0';
-  signal pixel_1, pixel_2, pixel_3, pixel_4, pixel_5, pixel_6 : pixel_t := (others => '0');
-  signal depth_1, depth_2, depth_3, depth_4, depth_5, depth_6 : depth_t := (others => '0');
-  signal row_1, address_2, address_3, address_4, address_5, address_6 : address_t := (others => '0');
-  -- The pixel in stage 6 is kept: its depth is being written.
-  signal kept_6 : std_ulogic := '0';
+  -- Numbered by stage: row of the pixel, its address, the memory's four registers, kept or not.
+  signal valid_1, valid_2, valid_3, valid_4, valid_5, valid_6 : std_ulogic := '0';
+  signal pixel_1, pixel_2, pixel_3, pixel_4, pixel_5, pixel_6, pixel_7 : pixel_t := (others => '0');
+  signal depth_1, depth_2, depth_3, depth_4, depth_5, depth_6, depth_7 : depth_t := (others => '0');
+  signal row_1, address_2, address_3, address_4, address_5, address_6, address_7 : address_t := (others => '0');
+  -- The pixel in stage 7 is kept: its depth is being written.
+  signal kept_7 : std_ulogic := '0';
 
   -- Since the read began this was written at the pixel's place.
-  signal passed_3, passed_4, passed_5 : std_ulogic := '0';
-  signal passed_depth_3, passed_depth_4, passed_depth_5 : depth_t := (others => '0');
-  -- The pixel in stage 5 has the place of the one in stage 6.
-  signal same_5 : std_ulogic := '0';
+  signal passed_3, passed_4, passed_5, passed_6 : std_ulogic := '0';
+  signal passed_depth_3, passed_depth_4, passed_depth_5, passed_depth_6 : depth_t := (others => '0');
+  -- The pixel in stage 6 has the place of the one in stage 7.
+  signal same_6 : std_ulogic := '0';
 
   signal place : u_unsigned(2 * coord_bits - 1 downto 0);
-  signal passed_now_2, passed_now_3, passed_now_4, nearer : std_ulogic;
+  signal passed_now_2, passed_now_3, passed_now_4, passed_now_5, nearer : std_ulogic;
   signal stored : u_unsigned(stored_bits - 1 downto 0);
   signal read_data, write_data : std_ulogic_vector(stored_bits - 1 downto 0);
   signal write_enable : std_ulogic;
@@ -95,13 +96,10 @@ architecture rtl of depth_test is
 
   signal closed, filling : std_ulogic;
   signal fill_address : address_t;
-  signal advance, accept, on_screen, emptied, read_enable : std_ulogic;
+  signal accept, on_screen, emptied : std_ulogic;
   -- A register: late in its cycle, look need not reach the memory too.
   signal looking : std_ulogic := '0';
   signal read_address : address_t;
-
-  signal emitted, shown : std_ulogic_vector(pixel_bits + depth_bits - 1 downto 0);
-  signal shown_valid : std_ulogic;
 
 begin
 
@@ -110,8 +108,8 @@ begin
       & ", coord_bits = " & integer'image(coord_bits) & " allow " & integer'image(2**coord_bits)
     severity failure;
 
-  pixel_ready <= advance and not closed and not look;
-  accept <= pixel_valid and advance and not closed and not look;
+  pixel_ready <= not closed and not look;
+  accept <= pixel_valid and not closed and not look;
   on_screen <= '1' when resize(pixel_x, coord_bits + 1) < to_unsigned(width, coord_bits + 1)
     and resize(pixel_y, coord_bits + 1) < to_unsigned(height, coord_bits + 1) else '0';
   place <= pixel_y & pixel_x;
@@ -119,89 +117,94 @@ begin
   addressing : process (clk)
   begin
     if rising_edge(clk) then
-      if advance = '1' then
-        row_1 <= row_address(pixel_y, width, address_width);
-        -- What is not on the screen never becomes an address.
-        if valid_1 = '1' then
-          address_2 <= row_1 + resize(pixel_1(coord_bits - 1 downto 0), address_width);
-        end if;
-        address_3 <= address_2;
-        address_4 <= address_3;
-        address_5 <= address_4;
-        address_6 <= address_5;
+      row_1 <= row_address(pixel_y, width, address_width);
+      -- What is not on the screen never becomes an address.
+      if valid_1 = '1' then
+        address_2 <= row_1 + resize(pixel_1(coord_bits - 1 downto 0), address_width);
       end if;
+      address_3 <= address_2;
+      address_4 <= address_3;
+      address_5 <= address_4;
+      address_6 <= address_5;
+      address_7 <= address_6;
     end if;
   end process;
 
-  passed_now_2 <= '1' when kept_6 = '1' and address_2 = address_6 else '0';
-  passed_now_3 <= '1' when kept_6 = '1' and address_3 = address_6 else '0';
-  passed_now_4 <= '1' when kept_6 = '1' and address_4 = address_6 else '0';
+  passed_now_2 <= '1' when kept_7 = '1' and address_2 = address_7 else '0';
+  passed_now_3 <= '1' when kept_7 = '1' and address_3 = address_7 else '0';
+  passed_now_4 <= '1' when kept_7 = '1' and address_4 = address_7 else '0';
+  passed_now_5 <= '1' when kept_7 = '1' and address_5 = address_7 else '0';
 
   hazards : process (clk)
   begin
     if rising_edge(clk) then
-      if advance = '1' then
-        passed_3 <= passed_now_2;
-        passed_depth_3 <= depth_6;
-        passed_4 <= passed_3 or passed_now_3;
-        passed_depth_4 <= passed_depth_3;
-        if passed_now_3 = '1' then
-          passed_depth_4 <= depth_6;
-        end if;
-        passed_5 <= passed_4 or passed_now_4;
-        passed_depth_5 <= passed_depth_4;
-        if passed_now_4 = '1' then
-          passed_depth_5 <= depth_6;
-        end if;
-        same_5 <= '0';
-        if address_4 = address_5 then
-          same_5 <= '1';
-        end if;
+      passed_3 <= passed_now_2;
+      passed_depth_3 <= depth_7;
+      passed_4 <= passed_3 or passed_now_3;
+      passed_depth_4 <= passed_depth_3;
+      if passed_now_3 = '1' then
+        passed_depth_4 <= depth_7;
+      end if;
+      passed_5 <= passed_4 or passed_now_4;
+      passed_depth_5 <= passed_depth_4;
+      if passed_now_4 = '1' then
+        passed_depth_5 <= depth_7;
+      end if;
+      passed_6 <= passed_5 or passed_now_5;
+      passed_depth_6 <= passed_depth_5;
+      if passed_now_5 = '1' then
+        passed_depth_6 <= depth_7;
+      end if;
+      same_6 <= '0';
+      if address_5 = address_6 then
+        same_6 <= '1';
       end if;
     end if;
   end process;
 
-  stored <= '0' & depth_6 when same_5 = '1' and kept_6 = '1'
-    else '0' & passed_depth_5 when passed_5 = '1'
+  stored <= '0' & depth_7 when same_6 = '1' and kept_7 = '1'
+    else '0' & passed_depth_6 when passed_6 = '1'
     else unsigned(read_data);
-  nearer <= '1' when '0' & depth_5 < stored else '0';
+  nearer <= '1' when '0' & depth_6 < stored else '0';
 
   pipeline : process (clk)
   begin
     if rising_edge(clk) then
       looking <= look and emptied;
-      if advance = '1' then
-        valid_1 <= accept and on_screen;
-        valid_2 <= valid_1;
-        valid_3 <= valid_2;
-        valid_4 <= valid_3;
-        valid_5 <= valid_4;
-        kept_6 <= valid_5 and nearer;
-        pixel_1 <= pixel_value & place;
-        pixel_2 <= pixel_1;
-        pixel_3 <= pixel_2;
-        pixel_4 <= pixel_3;
-        pixel_5 <= pixel_4;
-        pixel_6 <= pixel_5;
-        depth_1 <= pixel_depth;
-        depth_2 <= depth_1;
-        depth_3 <= depth_2;
-        depth_4 <= depth_3;
-        depth_5 <= depth_4;
-        depth_6 <= depth_5;
-      end if;
+      valid_1 <= accept and on_screen;
+      valid_2 <= valid_1;
+      valid_3 <= valid_2;
+      valid_4 <= valid_3;
+      valid_5 <= valid_4;
+      valid_6 <= valid_5;
+      kept_7 <= valid_6 and nearer;
+      pixel_1 <= pixel_value & place;
+      pixel_2 <= pixel_1;
+      pixel_3 <= pixel_2;
+      pixel_4 <= pixel_3;
+      pixel_5 <= pixel_4;
+      pixel_6 <= pixel_5;
+      pixel_7 <= pixel_6;
+      depth_1 <= pixel_depth;
+      depth_2 <= depth_1;
+      depth_3 <= depth_2;
+      depth_4 <= depth_3;
+      depth_5 <= depth_4;
+      depth_6 <= depth_5;
+      depth_7 <= depth_6;
       if reset = '1' then
         valid_1 <= '0';
         valid_2 <= '0';
         valid_3 <= '0';
         valid_4 <= '0';
         valid_5 <= '0';
-        kept_6 <= '0';
+        valid_6 <= '0';
+        kept_7 <= '0';
       end if;
     end if;
   end process;
 
-  emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or valid_5 or kept_6 or shown_valid);
+  emptied <= not (valid_1 or valid_2 or valid_3 or valid_4 or valid_5 or valid_6 or kept_7);
 
   clear_inst : entity work.memory_clear
     generic map (num_words => num_words)
@@ -212,39 +215,27 @@ begin
 
   busy <= closed;
   idle <= emptied and not closed;
-  read_enable <= look_enable when looking = '1' else advance;
   read_address <= look_address when looking = '1' else address_2;
   look_depth <= (others => '1') when read_data(stored_bits - 1) = '1'
     else unsigned(read_data(depth_bits - 1 downto 0));
 
-  -- A stalled pixel is written again and again, the same each time.
-  write_enable <= kept_6 or filling;
-  write_address <= fill_address when filling = '1' else address_6;
+  write_enable <= kept_7 or filling;
+  write_address <= fill_address when filling = '1' else address_7;
   write_data(stored_bits - 1) <= filling;
-  write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_6);
+  write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_7);
 
   memory_inst : entity work.block_ram
-    generic map (num_words => num_words, data_bits => stored_bits, read_stages => 3)
+    generic map (num_words => num_words, data_bits => stored_bits, read_stages => 4)
     port map (
       clk => clk,
       write_enable => write_enable, write_address => write_address, write_data => write_data,
-      read_enable => read_enable, read_address => read_address, read_data => read_data
+      read_enable => look_enable, read_address => read_address, read_data => read_data
     );
 
-  emitted <= std_ulogic_vector(depth_6 & pixel_6);
-
-  output_inst : entity work.skid_buffer
-    generic map (data_bits => pixel_bits + depth_bits)
-    port map (
-      clk => clk, reset => reset,
-      input_valid => kept_6, input_ready => advance, input_data => emitted,
-      output_valid => shown_valid, output_ready => kept_ready, output_data => shown
-    );
-
-  kept_valid <= shown_valid;
-  kept_x <= unsigned(shown(coord_bits - 1 downto 0));
-  kept_y <= unsigned(shown(2 * coord_bits - 1 downto coord_bits));
-  kept_value <= unsigned(shown(pixel_bits - 1 downto 2 * coord_bits));
-  kept_depth <= unsigned(shown(pixel_bits + depth_bits - 1 downto pixel_bits));
+  kept_valid <= kept_7;
+  kept_x <= pixel_7(coord_bits - 1 downto 0);
+  kept_y <= pixel_7(2 * coord_bits - 1 downto coord_bits);
+  kept_value <= pixel_7(pixel_bits - 1 downto 2 * coord_bits);
+  kept_depth <= depth_7;
 
 end architecture;

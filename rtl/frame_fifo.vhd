@@ -59,7 +59,9 @@ begin
   memory : entity work.block_ram
     generic map (
       num_words => num_words,
-      data_bits => data_bits
+      data_bits => data_bits,
+      -- Its last register stands where the words go, however far that is from the block.
+      read_stages => 3
     )
     port map (
       clk => clk,

@@ -6,7 +6,7 @@
 -- For edges the whole frame passes edge_map: width * (height + 1) cycles, where a line needs a million.
 --
 -- Model: screen.py.  Test: test_screen.py.
--- Latency: 13 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
+-- Latency: 14 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -138,9 +138,11 @@ begin
         pixel_value => pixel_value, pixel_depth => pixel_depth,
         idle => depth_idle, look => held, look_enable => memory_enable, look_address => memory_address,
         look_depth => look_depth,
-        kept_valid => kept_valid, kept_ready => kept_ready, kept_x => kept_x, kept_y => kept_y,
+        kept_valid => kept_valid, kept_x => kept_x, kept_y => kept_y,
         kept_value => kept_value, kept_depth => open
       );
+    -- A clear is over in the framebuffer before the first pixel behind it leaves the depth test: kept_ready is
+    -- high for every kept pixel.
     pixel_ready <= depth_ready;
     stored <= resize(look_depth, 8 * depth_bytes) & stored_value;
   end generate;
@@ -234,7 +236,7 @@ begin
   area_inst : entity work.read_out
     generic map (
       width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0,
-      read_stages => 3 - single_port_memory
+      read_stages => 4 - 2 * single_port_memory
     )
     port map (
       clk => clk, reset => reader_reset,
