@@ -23,6 +23,7 @@ class Config:
     num_words: int = 512
     data_bits: int = 16
     bank_words: int = 16384
+    slice_bits: int = 4096
     read_stages: int = 2
 
 
@@ -37,6 +38,7 @@ CONFIGS = [
     Config(num_words=385, bank_words=128, read_stages=3),
     Config(num_words=300, data_bits=1, read_stages=3),
     Config(read_stages=4),
+    Config(num_words=300, data_bits=20, slice_bits=9),
     Config(num_words=385, bank_words=128, read_stages=4),
 ]
 

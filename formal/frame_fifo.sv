@@ -47,7 +47,7 @@ module frame_fifo_properties #(
   (* hierconn *) wire [address_bits:0] \dut.written ;
   (* hierconn *) wire [address_bits:0] \dut.committed ;
   (* hierconn *) wire [address_bits:0] \dut.taken ;
-  (* hierconn *) wire [1:0] \dut.place ;
+  (* hierconn *) wire [2:0] \dut.place ;
   (* hierconn *) wire \dut.store ;
   wire same_word = \dut.written [address_bits - 1:0] == \dut.taken [address_bits - 1:0];
 
@@ -70,6 +70,7 @@ module frame_fifo_properties #(
     assert (begun == pending && whole == ready);
     assert (pending <= num_words && ready <= num_words && pending + ready <= num_words);
     if (\dut.place != 0) assert (ready != 0);
+    assert (\dut.place <= 4);
   end
 
 endmodule

@@ -36,13 +36,19 @@ module frame_receiver_properties (
   always @* if (frame_end) assume (!byte_valid);
   always @* if (end_1) assume (!frame_end && !byte_valid);
 
-  // The frame so far.
+  reg started = 0, was_reset = 1;
+  always @(posedge clk) begin
+    started <= 1;
+    was_reset <= reset;
+  end
+
+  // The frame so far. The division begins anew in the cycle after a frame's end.
   reg [10:0] bytes = 0;
   reg [31:0] header = 0;
   reg [31:0] divided = 32'hffffffff, next;
   integer index;
   always @* begin
-    next = frame_end || reset ? 32'hffffffff : divided;
+    next = end_1 || was_reset ? 32'hffffffff : divided;
     if (byte_valid)
       for (index = 0; index < 8; index = index + 1)
         next = {next[30:0], 1'b0} ^ (next[31] ^ byte_data[index] ? 32'h04c11db7 : 32'h0);
@@ -67,12 +73,6 @@ module frame_receiver_properties (
     number_2 <= header[15:8];
     before <= expected;
   end
-  reg started = 0, was_reset = 1;
-  always @(posedge clk) begin
-    started <= 1;
-    was_reset <= reset;
-  end
-
   always @* begin
     if (commit || ack || request) assert (right_2);
     if (nak) assert (right_2 || counts[3]);
@@ -88,6 +88,7 @@ module frame_receiver_properties (
   (* hierconn *) wire [10:0] \dut.count ;
   (* hierconn *) wire [31:0] \dut.header ;
   (* hierconn *) wire [31:0] \dut.crc ;
+  (* hierconn *) wire \dut.crc_clear ;
   (* hierconn *) wire [23:0] \dut.shift ;
   (* hierconn *) wire \dut.ended ;
   (* hierconn *) wire \dut.good_cobs ;
@@ -98,6 +99,7 @@ module frame_receiver_properties (
   always @* begin
     assert (\dut.count == bytes);
     assert (bytes <= 1025);
+    if (started) assert (\dut.crc_clear == (end_1 || was_reset));
     for (place = 0; place < 32; place = place + 1) assert (\dut.crc [place] == !divided[31 - place]);
     if (bytes > 3) assert (\dut.header == header);
     if (bytes == 1) assert (\dut.shift [23:16] == header[7:0]);

@@ -43,7 +43,7 @@ module read_out_properties #(
   (* hierconn *) wire \dut.last_1 ;
   (* hierconn *) wire [read_stages - 1:0] \dut.lasts ;
   (* hierconn *) wire [address_bits - 1:0] \dut.row ;
-  (* hierconn *) wire [address_bits - 1:0] \dut.first ;
+  (* hierconn *) wire [address_bits - 1:0] \dut.below ;
   (* hierconn *) wire [address_bits - 1:0] \dut.address ;
   (* hierconn *) wire [coord_bits - 1:0] \dut.x ;
   (* hierconn *) wire [coord_bits:0] \dut.columns ;
@@ -77,6 +77,8 @@ module read_out_properties #(
 
   wire idle = !active && \dut.valids == 0 && !pixel_valid;
   integer stage;
+  // Below the scanline's first pixel; wrong below the screen, where nothing reads it.
+  wire [address_bits - 1:0] below = (row + 1) * width + x;
   always @* begin
     // An area is walked from its acceptance to its last pixel, by addresses that are on the screen.
     assert (active == (\dut.starting || \dut.running ));
@@ -92,7 +94,7 @@ module read_out_properties #(
     end
     if (\dut.starting ) assert (\dut.row == row * width && \dut.x == x && column == x && index == 0);
     if (\dut.running ) begin
-      assert (\dut.address == row * width + column && \dut.first == row * width + x);
+      assert (\dut.address == row * width + column && \dut.below == below);
       assert (\dut.columns_left == x + across - 1 - column);
       assert (\dut.last_1 == last);
     end

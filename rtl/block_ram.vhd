@@ -21,6 +21,8 @@ entity block_ram is
     -- What a block RAM of ECP5 holds a bit wide. A memory is made of banks of that size, and of halves of it
     -- for what is left, so that every bank is as deep as its blocks and has no multiplexer of its own.
     bank_words : positive := 16384;
+    -- Bits that one block may hold of a memory of one bank. ECP5 has a register behind a block up to 18.
+    slice_bits : positive := 4096;
     -- 2: the block's own register and that behind the banks; 3: one of each bank between them; 4: both ports
     -- are registers first, a write's too.
     read_stages : positive := 2
@@ -94,7 +96,7 @@ architecture rtl of block_ram is
   function block_bits(size : positive) return positive is
   begin
     if num_banks = 1 then
-      return data_bits;
+      return minimum(slice_bits, data_bits);
     elsif size > bank_words / 2 then
       return 1;
     elsif size > bank_words / 4 then

@@ -257,7 +257,7 @@ begin
   write_data <= std_ulogic_vector(newer) & std_ulogic_vector(pixel_3);
 
   lines_inst : entity work.block_ram
-    generic map (num_words => max_width, data_bits => 2 * pixel_bits)
+    generic map (num_words => max_width, data_bits => 2 * pixel_bits, slice_bits => 16)
     port map (
       clk => clk,
       write_enable => step_3.valid, write_address => address_3, write_data => write_data,

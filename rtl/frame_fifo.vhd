@@ -4,7 +4,7 @@
 -- stays, or is forgotten as if it had never come. free = num_words - committed words that were not yet read.
 --
 -- Model: frame_fifo.py.  Test: test_frame_fifo.py.
--- Latency: 4 cycles from commit to output.  A word in per cycle, and one out every 4.
+-- Latency: 5 cycles from commit to output.  A word in per cycle, and one out every 5.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -42,7 +42,7 @@ architecture rtl of frame_fifo is
   -- One bit more than an address: the same address is empty or full.
   subtype pointer_t is u_unsigned(address_width downto 0);
 
-  type place_t is (empty, fetching, arriving, shown);
+  type place_t is (empty, asking, fetching, arriving, shown);
 
   signal written, committed, taken : pointer_t := (others => '0');
   signal overflowed, store : std_ulogic := '0';
@@ -60,8 +60,8 @@ begin
     generic map (
       num_words => num_words,
       data_bits => data_bits,
-      -- Its last register stands where the words go, however far that is from the block.
-      read_stages => 3
+      -- On a device that is full of memory its block is anywhere.
+      read_stages => 4
     )
     port map (
       clk => clk,
@@ -103,8 +103,10 @@ begin
       -- No case statement: GHDL 2.0 gives that of all places no default, and Yosys a latch.
       if place = empty then
         if taken /= committed then
-          place <= fetching;
+          place <= asking;
         end if;
+      elsif place = asking then
+        place <= fetching;
       elsif place = fetching then
         place <= arriving;
       elsif place = arriving then

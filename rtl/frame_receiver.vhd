@@ -81,7 +81,8 @@ architecture rtl of frame_receiver is
   signal word_done, in_payload : std_ulogic;
   signal length : u_unsigned(15 downto 0);
   signal crc : std_ulogic_vector(31 downto 0);
-  signal crc_clear : std_ulogic;
+  -- A byte may come with it, the first of the next frame.
+  signal crc_clear : std_ulogic := '0';
 
   constant width_bits : positive := address_bits(screen_width + 1);
   constant rows_bits : positive := address_bits(screen_height + 1);
@@ -123,7 +124,12 @@ architecture rtl of frame_receiver is
 
 begin
 
-  crc_clear <= frame_end or reset;
+  clearing : process (clk)
+  begin
+    if rising_edge(clk) then
+      crc_clear <= frame_end or reset;
+    end if;
+  end process;
 
   crc_unit : entity work.crc32
     generic map (cycles => crc_cycles)

@@ -65,7 +65,9 @@ architecture rtl of plane_reader is
   -- The pixel that is sent, its next byte lowest, and how many bytes of it are left.
   signal held : u_unsigned(8 * held_bytes - 1 downto 0) := (others => '0');
   signal held_left : u_unsigned(2 downto 0) := (others => '0');
-  signal shown, sent, final, wants : std_ulogic;
+  -- It is the last one.
+  signal final : std_ulogic := '0';
+  signal shown, sent, wants : std_ulogic;
 
 begin
 
@@ -76,7 +78,6 @@ begin
 
   shown <= '1' when held_left /= 0 else '0';
   sent <= shown and byte_ready;
-  final <= '1' when count_left = 1 else '0';
   wants <= '1' when running = '1' and (held_left = 0 or (held_left = 1 and byte_ready = '1' and final = '0'))
     else '0';
 
@@ -93,6 +94,10 @@ begin
         held <= shift_right(held, 8);
         held_left <= held_left - 1;
         count_left <= count_left - 1;
+        final <= '0';
+        if count_left = 2 then
+          final <= '1';
+        end if;
         if final = '1' then
           held_left <= (others => '0');
           running <= '0';
@@ -114,6 +119,10 @@ begin
         running <= '1';
         plane <= request_plane;
         count_left <= request_count;
+        final <= '0';
+        if request_count = 1 then
+          final <= '1';
+        end if;
       end if;
       if reset = '1' then
         running <= '0';

@@ -22,6 +22,8 @@ entity read_out is
     num_channels : positive := 3;
     -- 0: area_count is not looked at; the area ends with the screen, or by reset.
     with_count : natural := 1;
+    -- 0: there is no CRC.
+    with_crc : natural := 1;
     -- Enabled cycles from an address to its value.
     read_stages : positive := 3
   );
@@ -60,7 +62,8 @@ architecture rtl of read_out is
   constant row_step : address_t := resize(to_unsigned(width, address_width + 1), address_width);
 
   signal starting, running, refused_reg : std_ulogic := '0';
-  signal row, first, address : address_t := (others => '0');
+  -- Of the pixel; below the first one of its scanline.
+  signal row, below, address : address_t := (others => '0');
   signal x : u_unsigned(coord_bits - 1 downto 0) := (others => '0');
   -- Columns of an area's scanline, minus 1; columns, scanlines and pixels left after this one.
   signal columns, columns_left : u_unsigned(coord_bits downto 0) := (others => '0');
@@ -112,7 +115,7 @@ begin
       if starting = '1' then
         starting <= '0';
         running <= '1';
-        first <= row + resize(x, address_width);
+        below <= row + resize(x, address_width) + row_step;
         address <= row + resize(x, address_width);
         columns_left <= columns;
       end if;
@@ -121,7 +124,7 @@ begin
         count_left <= count_left - 1;
         columns_left <= columns_left - 1;
         if line_end = '1' then
-          first <= first + row_step;
+          below <= below + row_step;
           columns_left <= columns;
           rows_left <= rows_left - 1;
         end if;
@@ -129,7 +132,7 @@ begin
         if last_1 = '0' then
           address <= address + 1;
           if line_end = '1' then
-            address <= first + row_step;
+            address <= below;
           end if;
         end if;
       end if;
@@ -152,13 +155,19 @@ begin
   emitted <= read_last & std_ulogic_vector(read_value);
   summed <= read_valid and advance;
 
-  crc_inst : entity work.crc32
-    generic map (num_bytes => num_channels)
-    port map (
-      clk => clk, clear => accept, byte_valid => summed, byte_data => std_ulogic_vector(read_value),
-      busy => open,
-      crc => crc
-    );
+  crc_gen : if with_crc = 1 generate
+    crc_inst : entity work.crc32
+      generic map (num_bytes => num_channels)
+      port map (
+        clk => clk, clear => accept, byte_valid => summed, byte_data => std_ulogic_vector(read_value),
+        busy => open,
+        crc => crc
+      );
+  end generate;
+
+  no_crc_gen : if with_crc = 0 generate
+    crc <= (others => '0');
+  end generate;
 
   output_inst : entity work.skid_buffer
     generic map (data_bits => 8 * num_channels + 1)

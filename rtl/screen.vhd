@@ -236,7 +236,7 @@ begin
   area_inst : entity work.read_out
     generic map (
       width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0,
-      read_stages => 4 - 2 * single_port_memory
+      with_crc => 0, read_stages => 4 - 2 * single_port_memory
     )
     port map (
       clk => clk, reset => reader_reset,
@@ -250,11 +250,13 @@ begin
   edges_gen : if with_edge_map = 1 generate
     -- The top bits of the depth.
     constant map_bits : positive := minimum(depth_bits, 16);
-    signal map_ready, map_valid, edge_taken, edge_here, edge_shown : std_ulogic;
+    signal map_ready, map_valid, edge_taken, edge_shown : std_ulogic;
     signal map_depth : u_unsigned(map_bits - 1 downto 0);
     signal map_normal, map_jump : u_unsigned(7 downto 0);
     signal pixel_into : std_ulogic;
-    signal at_x, at_y : coord_t := (others => '0');
+    -- Where the edge behind this one is; this one is in the area.
+    signal next_x, next_y : coord_t := (others => '0');
+    signal edge_here : std_ulogic := '0';
   begin
     map_depth <= area_data(value_bits + depth_bits - 1 downto value_bits + depth_bits - map_bits);
     pixel_into <= area_valid and plane(1);
@@ -277,20 +279,28 @@ begin
     begin
       if rising_edge(clk) then
         if map_valid = '1' and edge_taken = '1' then
-          at_x <= at_x + 1;
-          if at_x = width - 1 then
-            at_x <= (others => '0');
-            at_y <= at_y + 1;
+          edge_here <= '0';
+          if next_y >= y and next_x >= x and next_x < x + columns then
+            edge_here <= '1';
+          end if;
+          next_x <= next_x + 1;
+          if next_x = width - 1 then
+            next_x <= (others => '0');
+            next_y <= next_y + 1;
           end if;
         end if;
+        -- A frame of edges has at least three columns.
         if starting = '1' then
-          at_x <= (others => '0');
-          at_y <= (others => '0');
+          edge_here <= '0';
+          if x = 0 and y = 0 then
+            edge_here <= '1';
+          end if;
+          next_x <= to_unsigned(1, coord_bits);
+          next_y <= (others => '0');
         end if;
       end if;
     end process;
 
-    edge_here <= '1' when at_y >= y and at_x >= x and at_x < x + columns else '0';
     edge_shown <= map_valid and edge_here;
     edge_taken <= chosen_ready or not edge_here;
     edges <= map_jump & map_normal;
