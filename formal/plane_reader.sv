@@ -36,7 +36,7 @@ module plane_reader_properties #(
   );
 
   (* hierconn *) wire \dut.running ;
-  (* hierconn *) wire \dut.final ;
+  (* hierconn *) wire \dut.at_last ;
   (* hierconn *) wire [1:0] \dut.plane ;
   (* hierconn *) wire [2:0] \dut.held_left ;
   (* hierconn *) wire [8 * held_bytes - 1:0] \dut.held ;
@@ -82,7 +82,7 @@ module plane_reader_properties #(
     assert (\dut.running == (left != 0) && \dut.held_left == rest && rest <= 4);
     if (left != 0) assert (\dut.count_left == left && (depth_bytes != 0 || \dut.plane != 1));
     if (left == 0) assert (rest == 0);
-    if (left != 0) assert (\dut.final == (left == 1));
+    if (left != 0) assert (\dut.at_last == (left == 1));
     if (rest != 0) assert (rest <= size && \dut.held == pixel);
   end
 

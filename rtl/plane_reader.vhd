@@ -66,7 +66,7 @@ architecture rtl of plane_reader is
   signal held : u_unsigned(8 * held_bytes - 1 downto 0) := (others => '0');
   signal held_left : u_unsigned(2 downto 0) := (others => '0');
   -- It is the last one.
-  signal final : std_ulogic := '0';
+  signal at_last : std_ulogic := '0';
   signal shown, sent, wants : std_ulogic;
 
 begin
@@ -78,13 +78,13 @@ begin
 
   shown <= '1' when held_left /= 0 else '0';
   sent <= shown and byte_ready;
-  wants <= '1' when running = '1' and (held_left = 0 or (held_left = 1 and byte_ready = '1' and final = '0'))
+  wants <= '1' when running = '1' and (held_left = 0 or (held_left = 1 and byte_ready = '1' and at_last = '0'))
     else '0';
 
   request_ready <= not running;
   pixel_ready <= wants;
   byte_valid <= shown;
-  byte_last <= final;
+  byte_last <= at_last;
   byte_data <= std_ulogic_vector(held(7 downto 0));
 
   serialise : process (clk)
@@ -94,11 +94,11 @@ begin
         held <= shift_right(held, 8);
         held_left <= held_left - 1;
         count_left <= count_left - 1;
-        final <= '0';
+        at_last <= '0';
         if count_left = 2 then
-          final <= '1';
+          at_last <= '1';
         end if;
-        if final = '1' then
+        if at_last = '1' then
           held_left <= (others => '0');
           running <= '0';
         end if;
@@ -119,9 +119,9 @@ begin
         running <= '1';
         plane <= request_plane;
         count_left <= request_count;
-        final <= '0';
+        at_last <= '0';
         if request_count = 1 then
-          final <= '1';
+          at_last <= '1';
         end if;
       end if;
       if reset = '1' then

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from quadshade.engine.ghdl import run_tool
-from quadshade.engine.netlist import TOP, repair_constants, write_netlist
+from quadshade.engine.netlist import TOP, check_names, repair_constants, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 
@@ -44,6 +44,19 @@ def test_repairs_constants() -> None:
 def test_refuses_other_quotes(line: str) -> None:
     with pytest.raises(QuadshadeError, match="line 2 of the netlist has a quote that is not a constant's"):
         repair_constants(f"module unit;\n{line}\n")
+
+
+@needs_ghdl
+def test_refuses_signals_that_are_words_of_systemverilog(tmp_path: Path) -> None:
+    source = tmp_path / "word.vhd"
+    text = WIDE.replace("wide", "word").replace(
+        "begin\n  data <=",
+        "  signal final : std_ulogic_vector(39 downto 0);\nbegin\n  data <= final;\n  final <=",
+    )
+    source.write_text(text)
+    with pytest.raises(QuadshadeError, match="a signal is called 'final', a word of SystemVerilog"):
+        write_netlist({}, "word", [source])
+    check_names("module unit(final_one);\n  input  final_one;\n  wire [3:0] finals;\n")
 
 
 @needs_ghdl

@@ -4,6 +4,7 @@ The core as one Verilog netlist, by GHDL's synthesis: what Verilator, Icarus, Yo
 
 GHDL 2.0 writes a constant wider than 32 bits as a Verilog string of its digits, which every reader takes for
 ASCII. Such strings become sized binary constants here, and a netlist in which a quote remains is refused.
+It also keeps a signal's name that is a word of SystemVerilog, which some readers then do not take.
 """
 
 from __future__ import annotations
@@ -23,6 +24,16 @@ from quadshade.formats import Formats
 TOP = "raster_core"
 RENDER_TOP = "render_core"
 """The core with what follows it: what the simulators run."""
+
+
+KEYWORDS = frozenset(
+    ["accept_on", "alias", "always_comb", "always_ff", "always_latch", "assert", "assume", "before", "bind", "bins", "binsof", "bit", "break", "byte", "chandle", "checker", "class", "clocking", "const", "constraint", "context", "continue", "cover", "covergroup", "coverpoint", "cross", "dist", "do", "enum", "eventually", "expect", "export", "extends", "extern", "final", "first_match", "foreach", "forkjoin", "global", "iff", "ignore_bins", "illegal_bins", "implements", "implies", "import", "inside", "int", "interconnect", "interface", "intersect", "join_any", "join_none", "let", "local", "logic", "longint", "matches", "modport", "nettype", "new", "nexttime", "null", "package", "packed", "priority", "program", "property", "protected", "pure", "rand", "randc", "randcase", "randsequence", "ref", "reject_on", "restrict", "return", "sequence", "shortint", "shortreal", "soft", "solve", "static", "string", "strong", "struct", "super", "tagged", "this", "throughout", "timeprecision", "timeunit", "type", "typedef", "union", "unique", "unique0", "until", "until_with", "untyped", "uwire", "var", "virtual", "void", "wait_order", "weak", "wildcard", "with", "within"]
+)
+"""Words of SystemVerilog (IEEE 1800-2017) that Verilog does not have, as far as they may name a signal."""
+
+DECLARED = re.compile(
+    r"^ *(?:input|output|inout|wire|reg)(?: (?:wire|reg))?(?: *\[[^\]]*\])? +(\w+)", re.MULTILINE
+)
 
 
 def core_of(formats: Formats) -> tuple[str, dict[str, int]]:
@@ -58,6 +69,22 @@ def repair_constants(verilog: str) -> str:
                 "write the VHDL of that signal so that GHDL's synthesis needs no string",
             )
     return repaired
+
+
+def check_names(verilog: str) -> None:
+    """
+    Refuse a netlist with a signal that has a word of SystemVerilog as its name.
+
+    Raises
+    ------
+    QuadshadeError
+      There is one.
+    """
+    for name in DECLARED.findall(verilog):
+        if name in KEYWORDS:
+            raise QuadshadeError(
+                f"a signal is called {name!r}, a word of SystemVerilog", "rename it in the VHDL"
+            )
 
 
 @cache
@@ -107,6 +134,7 @@ def write_netlist(
             command = [ghdl, "--synth", "--std=08", f"--workdir={scratch}", "-Werror", "--no-formal"]
             command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
             verilog = repair_constants(run_tool(command, Path(scratch)))
+            check_names(verilog)
             temporary = Path(scratch) / netlist.name
             temporary.write_text(verilog)
             temporary.replace(netlist)
