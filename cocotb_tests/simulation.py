@@ -61,10 +61,14 @@ def failures(results: Path) -> list[str]:
 
 
 def simulate(
-    unit: str, config: Any, generics: dict[str, int] | None = None, verilog: list[Path] | None = None
+    unit: str,
+    config: Any,
+    generics: dict[str, int] | None = None,
+    verilog: list[Path] | None = None,
+    tests: str | None = None,
 ) -> None:
     """
-    Run the cocotb tests of ``test_<unit>.py`` on a unit.
+    Run the cocotb tests of ``test_<tests>.py`` on a unit.
 
     Parameters
     ----------
@@ -76,15 +80,17 @@ def simulate(
       Generics of the entity; the fields of ``config`` if not given.
     verilog : list of Path, optional
       Files that stand for the unit, simulated by Icarus whatever the environment says.
+    tests : str, optional
+      Name of the module; the unit's if not given.
 
     Raises
     ------
     pytest.fail.Exception
       With what each failing cocotb test said.
     """
-    name = identifier(config)
+    name, tests = identifier(config), tests or unit
     kind = "verilog" if verilog else NETLIST or "vhdl"
-    folder = ROOT / "build" / "cocotb" / kind / unit / name
+    folder = ROOT / "build" / "cocotb" / kind / tests / name
     generics = generics or dataclasses.asdict(config)
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "simulation.log"
@@ -107,7 +113,7 @@ def simulate(
     )
     try:
         runner.test(
-            test_module=f"test_{unit}",
+            test_module=f"test_{tests}",
             hdl_toplevel=unit,
             test_args=standard,
             plusargs=["--ieee-asserts=disable"] if vhdl else [],

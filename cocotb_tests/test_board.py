@@ -52,6 +52,7 @@ class Config:
     most_counter_bits: int = 32
     single_buffer: int = 0
     crc_cycles: int = 1
+    with_video: int = 0
 
     @property
     def formats(self) -> Formats:
@@ -69,6 +70,7 @@ class Config:
             self.baud,
             self.fifo_words,
             bool(self.with_edge_map),
+            bool(self.with_video),
         )
 
     @property
@@ -94,6 +96,7 @@ CONFIGS = [
         crc_cycles=4,
     ),
     Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0),
+    Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
 ]
 
 

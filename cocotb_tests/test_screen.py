@@ -50,6 +50,7 @@ class Config:
     with_edge_map: int = 1
     single_port_memory: int = 0
     crc_cycles: int = 1
+    with_video: int = 0
 
     def model(self) -> Screen:
         """The golden model."""
@@ -67,6 +68,7 @@ CONFIGS = [
     Config(),
     Config(width=32, height=4, depth_bits=20),
     Config(num_channels=4, depth_bits=5, with_edge_map=0),
+    Config(width=20, height=15, with_video=1),
     Config(num_channels=1, with_depth=0, with_edge_map=0, single_port_memory=1, crc_cycles=4),
 ]
 

@@ -74,8 +74,9 @@ architecture rtl of block_ram is
   type fetched_t is array (bank_t) of std_ulogic_vector(data_bits - 1 downto 0);
   signal fetched, banked : fetched_t;
   signal read_reg : std_ulogic_vector(data_bits - 1 downto 0);
-  -- The bank of what is fetched; that of what goes to the last register.
-  signal bank_read, bank_shown : bank_t := 0;
+  -- The bank of what is fetched; that of what goes to the last register: one bit of each, for a multiplexer
+  -- of two levels of LUTs.
+  signal bank_read, bank_shown : std_ulogic_vector(bank_t) := (others => '0');
 
   -- First words of the banks, and their end. Each first word is a multiple of its bank's size.
   type bases_t is array (0 to num_banks) of natural;
@@ -116,15 +117,27 @@ architecture rtl of block_ram is
     return shift_right(address, place_bits) = bases(bank) / 2 ** place_bits;
   end function;
 
-  function bank_of(address : u_unsigned) return bank_t is
-    variable found : bank_t := 0;
+  function banks_of(address : u_unsigned) return std_ulogic_vector is
+    variable found : std_ulogic_vector(bank_t) := (others => '0');
   begin
-    for bank in 1 to num_banks - 1 loop
-      if is_in(address, bank) then
-        found := bank;
+    for bank in bank_t loop
+      if num_banks = 1 or is_in(address, bank) then
+        found(bank) := '1';
       end if;
     end loop;
     return found;
+  end function;
+
+  function chosen(words : fetched_t; banks : std_ulogic_vector(bank_t)) return std_ulogic_vector is
+    variable word : std_ulogic_vector(data_bits - 1 downto 0) := (others => '0');
+  begin
+    if num_banks = 1 then
+      return words(0);
+    end if;
+    for bank in bank_t loop
+      word := word or (words(bank) and (word'range => banks(bank)));
+    end loop;
+    return word;
   end function;
 
   -- What goes to the blocks.
@@ -218,8 +231,8 @@ begin
   begin
     if rising_edge(clk) then
       if read_enable = '1' then
-        bank_read <= bank_of(get_address);
-        read_reg <= banked(bank_shown);
+        bank_read <= banks_of(get_address);
+        read_reg <= chosen(banked, bank_shown);
       end if;
     end if;
   end process;

@@ -38,6 +38,8 @@ entity board is
     with_edge_map : natural := 0;
     -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
     single_port_memory : natural := 0;
+    -- 1: what scan_out makes of the picture, for a monitor of 640 x 480 and a clock of 100 MHz.
+    with_video : natural := 0;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words; a
     -- byte of a CRC takes that many cycles, at most as many as a character of the line.
     most_counter_bits : positive := 32;
@@ -51,7 +53,10 @@ entity board is
     tx : out std_ulogic;
     -- In the last sixteenth of a second: 0 a good frame came, 1 something was drawn, 2 a frame was damaged or
     -- refused, 3 something was sent.
-    led : out std_ulogic_vector(7 downto 0)
+    led : out std_ulogic_vector(7 downto 0);
+    -- Of scan_out.
+    video_next : out std_ulogic;
+    video_words : out std_ulogic_vector(29 downto 0)
   );
 end entity;
 
@@ -64,7 +69,8 @@ architecture rtl of board is
   constant colours : positive := emitted_channels(formats);
   constant depth_bytes : natural := with_depth * ((depth_bits + 7) / 8);
   constant features : natural :=
-    with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map;
+    with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map
+    + with_video * feature_display;
 
   -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
   function phase_step_of(rate : positive; frequency : positive) return natural is
@@ -89,7 +95,8 @@ architecture rtl of board is
   signal line_data, send_data : std_ulogic_vector(7 downto 0);
   signal phase_step : u_unsigned(phase_bits - 1 downto 0);
 
-  signal link_reset, core_reset, everything_idle : std_ulogic;
+  signal link_reset, core_reset : std_ulogic;
+  signal everything_idle : std_ulogic := '0';
   signal packed_valid, packed_ready, unpacking, setup_valid, setup_ready, core_done : std_ulogic;
   signal packed_data, setup_data : std_ulogic_vector(31 downto 0);
 
@@ -173,7 +180,14 @@ begin
 
   core_reset <= reset or link_reset;
   drawing_done <= core_done and not unpacking;
-  everything_idle <= drawing_done and screen_idle;
+
+  -- A register, for the two are far apart; a command comes later than that after the one before it.
+  settled : process (clk)
+  begin
+    if rising_edge(clk) then
+      everything_idle <= drawing_done and screen_idle;
+    end if;
+  end process;
 
   unpacker : entity work.word_unpacker
     generic map (
@@ -212,7 +226,7 @@ begin
     generic map (
       width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
       with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
-      single_port_memory => single_port_memory, crc_cycles => crc_cycles
+      single_port_memory => single_port_memory, with_video => with_video, crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
@@ -223,7 +237,8 @@ begin
       read_width => read_width, read_count => read_count, read_plane => read_plane,
       read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
       frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
-      frame_crc_done => crc_done, frame_crc_value => crc_value
+      frame_crc_done => crc_done, frame_crc_value => crc_value,
+      video_next => video_next, video_words => video_words
     );
 
   -- Lights: what happened since the last tick but one.

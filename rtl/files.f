@@ -39,5 +39,7 @@ rtl/framebuffer.vhd
 rtl/read_out.vhd
 rtl/edge_map.vhd
 rtl/plane_reader.vhd
+rtl/tmds_encoder.vhd
+rtl/scan_out.vhd
 rtl/screen.vhd
 rtl/board.vhd

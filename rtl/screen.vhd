@@ -26,6 +26,8 @@ entity screen is
     depth_bits : positive := 16;
     with_edge_map : natural := 0;
     single_port_memory : natural := 0;
+    -- 1: what scan_out makes of the picture, for a monitor.
+    with_video : natural := 0;
     -- Of crc32.
     crc_cycles : positive := 1
   );
@@ -65,7 +67,11 @@ entity screen is
     frame_crc_ready : out std_ulogic;
     frame_crc_plane : in u_unsigned(1 downto 0);
     frame_crc_done : out std_ulogic := '0';
-    frame_crc_value : out std_ulogic_vector(31 downto 0)
+    frame_crc_value : out std_ulogic_vector(31 downto 0);
+
+    -- Of scan_out.
+    video_next : out std_ulogic;
+    video_words : out std_ulogic_vector(29 downto 0)
   );
 end entity;
 
@@ -97,7 +103,8 @@ architecture rtl of screen is
   signal starting, reader_reset, take_read, take_crc : std_ulogic;
 
   signal memory_enable : std_ulogic;
-  signal memory_address : u_unsigned(address_width - 1 downto 0);
+  signal memory_address, area_address, scan_address : u_unsigned(address_width - 1 downto 0);
+  signal resting, scan_reads : std_ulogic;
   signal stored, area_data : u_unsigned(8 * data_bytes - 1 downto 0);
   signal area_valid, area_taken, chosen_valid, chosen_ready : std_ulogic;
   signal edges : u_unsigned(8 * edge_bytes - 1 downto 0);
@@ -115,6 +122,9 @@ begin
     severity failure;
   assert with_depth = 0 or single_port_memory = 0
     report "screen: a memory of one port has no z-buffer beside it"
+    severity failure;
+  assert with_video = 0 or single_port_memory = 0
+    report "screen: a memory of one port cannot be read for a monitor while pixels are drawn"
     severity failure;
 
   -- No pixel comes from the cycle on in which a request is taken.
@@ -242,10 +252,29 @@ begin
       clk => clk, reset => reader_reset,
       area_valid => starting, area_ready => open, area_x => area_x, area_y => area_y,
       area_width => area_width, area_count => to_unsigned(num_pixels, address_width + 1), refused => open,
-      read_enable => memory_enable, read_address => memory_address, read_value => stored,
+      read_enable => memory_enable, read_address => area_address, read_value => stored,
       pixel_valid => area_valid, pixel_ready => area_taken, pixel_last => open, pixel_value => area_data,
       crc => open
     );
+
+  resting <= '1' when place = rest else '0';
+  memory_address <= scan_address when scan_reads = '1' else area_address;
+
+  video_gen : if with_video = 1 generate
+    scan_inst : entity work.scan_out
+      generic map (width => width, height => height, num_channels => num_channels)
+      port map (
+        clk => clk, reset => reset, may_read => resting, reads => scan_reads, read_address => scan_address,
+        read_value => stored_value, word_next => video_next, words => video_words
+      );
+  end generate;
+
+  no_video_gen : if with_video = 0 generate
+    scan_reads <= '0';
+    scan_address <= (others => '0');
+    video_next <= '0';
+    video_words <= (others => '0');
+  end generate;
 
   edges_gen : if with_edge_map = 1 generate
     -- The top bits of the depth.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ULX3S, v2 and v3: the board between its USB serial chip's pins, its clock made from the 25 MHz crystal.
+// ULX3S, v2 and v3: the board between its USB serial chip's pins and the monitor's (GPDI), its clocks made from
+// the 25 MHz crystal.
 // Reset after configuration, until the PLL has locked, and while button PWR is pressed.
 
 module top (
@@ -9,15 +10,16 @@ module top (
   output ftdi_rxd,
   input button_power_n,
   output [7:0] led,
+  output [3:0] gpdi_dp,
   output wifi_gpio0
 );
 
   // Tied high, so that the ESP32 stays out of its loader and keeps the FPGA's configuration.
   assign wifi_gpio0 = 1'b1;
 
-  wire clk, locked;
+  wire clk, clk_shift, locked;
 
-  // The oscillator runs at 600 MHz (400 to 800 are allowed), the clock at a fraction of that.
+  // The oscillator runs at 500 MHz (400 to 800 are allowed), the clocks at a fifth and a fourth of that.
   (* FREQUENCY_PIN_CLKI = "25" *)
   (* ICP_CURRENT = "12" *)
   (* LPF_RESISTOR = "8" *)
@@ -30,18 +32,23 @@ module top (
     .DPHASE_SOURCE("DISABLED"),
     .OUTDIVIDER_MUXA("DIVA"),
     .CLKI_DIV(1),
-    .CLKFB_DIV(24 / `CLK_DIVIDE),
+    .CLKFB_DIV(4),
     .FEEDBK_PATH("CLKOP"),
     .CLKOP_ENABLE("ENABLED"),
-    .CLKOP_DIV(`CLK_DIVIDE),
+    .CLKOP_DIV(5),
     .CLKOP_CPHASE(2),
-    .CLKOP_FPHASE(0)
+    .CLKOP_FPHASE(0),
+    .CLKOS_ENABLE("ENABLED"),
+    .CLKOS_DIV(4),
+    .CLKOS_CPHASE(2),
+    .CLKOS_FPHASE(0)
   ) pll (
     .RST(1'b0),
     .STDBY(1'b0),
     .CLKI(clk_25mhz),
     .CLKFB(clk),
     .CLKOP(clk),
+    .CLKOS(clk_shift),
     .PHASESEL0(1'b0),
     .PHASESEL1(1'b0),
     .PHASEDIR(1'b1),
@@ -55,6 +62,16 @@ module top (
   wire reset;
   power_on_reset power_on_reset_inst (.clk(clk), .hold(!locked || !button_power_n), .reset(reset));
 
-  board board_inst (.clk(clk), .reset(reset), .rx(ftdi_txd), .tx(ftdi_rxd), .led(led));
+  wire video_next;
+  wire [29:0] video_words;
+  board board_inst (
+    .clk(clk), .reset(reset), .rx(ftdi_txd), .tx(ftdi_rxd), .led(led),
+    .video_next(video_next), .video_words(video_words)
+  );
+
+  gpdi gpdi_inst (
+    .clk(clk), .reset(reset), .word_next(video_next), .words(video_words), .clk_shift(clk_shift),
+    .gpdi_dp(gpdi_dp)
+  );
 
 endmodule

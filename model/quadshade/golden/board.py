@@ -101,6 +101,8 @@ class BoardModel(CommandDecoder):
       System clock, default rate, words of the command FIFO.
     with_edge_map : bool
       Whether edges can be read.
+    with_video : bool
+      Whether it has words for a monitor: HELLO says so, nothing else is other.
     """
 
     def __init__(
@@ -112,10 +114,16 @@ class BoardModel(CommandDecoder):
         baud: int = 1_000_000,
         words: int = 1024,
         with_edge_map: bool = False,
+        with_video: bool = False,
     ) -> None:
         formats = formats or Formats()
         screen = DrawnScreen(width, height, formats, with_edge_map)
-        has = {"depth_test": formats.with_depth, "shade": formats.with_shade, "edge_map": with_edge_map}
+        has = {
+            "depth_test": formats.with_depth,
+            "shade": formats.with_shade,
+            "edge_map": with_edge_map,
+            "display": with_video,
+        }
         identity = {
             "magic": MAGIC,
             "definition": definition_hash(),

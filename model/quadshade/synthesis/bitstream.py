@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from quadshade.engine.netlist import write_netlist
@@ -65,8 +65,8 @@ class BoardFile:
       Commands that load a bitstream, the preferred first; its path follows.
     pack : tuple of str
       Options of the packer.
-    defines : dict of str to int
-      Verilog macros of the top: dividers of its PLL.
+    parts : tuple of Path
+      Further Verilog of the top.
     """
 
     name: str
@@ -77,7 +77,7 @@ class BoardFile:
     generics: dict[str, int]
     program: tuple[tuple[str, ...], ...]
     pack: tuple[str, ...] = ()
-    defines: dict[str, int] = field(default_factory=dict)
+    parts: tuple[Path, ...] = ()
 
     @property
     def family(self) -> str:
@@ -149,7 +149,7 @@ def read_board(name: str, root: Path) -> BoardFile:
         dict(settings["generics"]),
         tuple(tuple(command) for command in settings["program"]),
         tuple(settings.get("pack", ())),
-        dict(settings.get("defines", {})),
+        tuple(folder / part for part in settings.get("parts", ())),
     )
 
 
@@ -211,14 +211,13 @@ def build(
     progress(f"{board.name}: synthesis")
     netlist = write_netlist(board.generics, ENTITY)
     (folder / "board.v").write_text(with_cells(netlist.read_text(), board.family, root))
-    sources = [board.top, board.top.with_name(RESET)]
+    sources = [board.top, *board.parts, board.top.with_name(RESET)]
     for source in sources:
         shutil.copyfile(source, folder / source.name)
     names = " ".join(["board.v", *(source.name for source in sources)])
     # The tops hold cells of the device, which only synthesis itself knows: it checks the hierarchy.
     commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
-    defines = "".join(f" -D {name}={value}" for name, value in board.defines.items())
-    commands = [f"read_verilog{defines} {names}", *commands]
+    commands = [f"read_verilog {names}", *commands]
     if moved := write_mapped(commands, folder / "mapped.json", TOP, board.device):
         progress(f"{board.name}: {moved} flip-flops are those of block RAM")
     tries = []
