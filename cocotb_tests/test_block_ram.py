@@ -40,6 +40,7 @@ CONFIGS = [
     Config(read_stages=4),
     Config(num_words=300, data_bits=20, slice_bits=9),
     Config(num_words=385, bank_words=128, read_stages=4),
+    Config(num_words=385, bank_words=128, read_stages=5),
 ]
 
 

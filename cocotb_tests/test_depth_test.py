@@ -24,9 +24,9 @@ INPUTS = (
     "pixel_valid",
     *(f"pixel_{name}" for name in PIXEL),
 )
-LATENCY = 7
+LATENCY = 8
 """Clocks from a pixel's acceptance to the clock in which it stands at the output."""
-READ_STAGES = 4
+READ_STAGES = 5
 """Enabled clocks from an address to its depth."""
 
 Pixel = tuple[int, int, int, int]
@@ -154,7 +154,7 @@ def overlaps(bench: Bench) -> Iterator[list[Pixel]]:
         return address % config.width, address // config.width, value, max(0, min(depth, most))
 
     orders = [*permutations((0, 1, 2)), (1, 1, 1), (0, 1, 1), (1, 1, 0), (0, 0, 0)]
-    cases = list(product(range(1, 8), range(1, 8), orders))
+    cases = list(product(range(1, 9), range(1, 9), orders))
     room = max((most - 2) // 3, 1)
     if room < len(cases):
         cases = bench.draw.sample(cases, 20 * room)

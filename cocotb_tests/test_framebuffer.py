@@ -58,7 +58,7 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
     await bench.start(*INPUTS)
     # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
     offers, looks = SPEEDS[pixels](bench.draw), SPEEDS[reads](bench.draw)
-    memory = BlockRam(4 - 2 * config.single_port)
+    memory = BlockRam(5 - 3 * config.single_port)
     memory.fill(0, words)
     # Pixels are readable three cycles after they are accepted; one being written may read as anything.
     coming: deque[list[tuple[int, int, int]]] = deque([[], []])

@@ -27,7 +27,7 @@ class Config:
     width: int = 8
     height: int = 6
     num_channels: int = 3
-    read_stages: int = 4
+    read_stages: int = 5
     clocks_per_pixel: int = 4
     columns: int = SMALL.columns
     column_front: int = SMALL.column_front

@@ -6,7 +6,7 @@
 -- Model: block_ram.py.  Test: test_block_ram.py.  Latency: read_stages enabled cycles.  A word in and out per
 -- cycle. A memory of many blocks needs three at 100 MHz: a block's word comes late in the cycle, its register
 -- stands beside it, and behind the multiplexer of all banks stands the last one. One of the whole device needs
--- a fourth: the way to its blocks takes a cycle, with nothing but wires on it.
+-- a fourth and a fifth: the ways to its blocks and from them take a cycle, with nothing but wires on it.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -24,7 +24,7 @@ entity block_ram is
     -- Bits that one block may hold of a memory of one bank. ECP5 has a register behind a block up to 18.
     slice_bits : positive := 4096;
     -- 2: the block's own register and that behind the banks; 3: one of each bank between them; 4: both ports
-    -- are registers first, a write's too.
+    -- are registers first, a write's too; 5: two of each bank, the second anywhere on the way.
     read_stages : positive := 2
   );
   port (
@@ -72,11 +72,11 @@ architecture rtl of block_ram is
 
   subtype bank_t is natural range 0 to num_banks - 1;
   type fetched_t is array (bank_t) of std_ulogic_vector(data_bits - 1 downto 0);
-  signal fetched, banked : fetched_t;
+  signal fetched, banked, carried : fetched_t;
   signal read_reg : std_ulogic_vector(data_bits - 1 downto 0);
   -- The bank of what is fetched; that of what goes to the last register: one bit of each, for a multiplexer
   -- of two levels of LUTs.
-  signal bank_read, bank_shown : std_ulogic_vector(bank_t) := (others => '0');
+  signal bank_read, bank_banked, bank_shown : std_ulogic_vector(bank_t) := (others => '0');
 
   -- First words of the banks, and their end. Each first word is a multiple of its bank's size.
   type bases_t is array (0 to num_banks) of natural;
@@ -178,8 +178,8 @@ begin
     end generate;
   end generate;
 
-  assert read_stages >= 2 and read_stages <= 4
-    report "block_ram: read_stages is " & integer'image(read_stages) & ", must be 2, 3 or 4"
+  assert read_stages >= 2 and read_stages <= 5
+    report "block_ram: read_stages is " & integer'image(read_stages) & ", must be 2 to 5"
     severity failure;
 
   at_once_gen : if read_stages < 4 generate
@@ -191,7 +191,7 @@ begin
     get_address <= read_address;
   end generate;
 
-  registers_gen : if read_stages = 4 generate
+  registers_gen : if read_stages > 3 generate
     ways : process (clk)
     begin
       if rising_edge(clk) then
@@ -212,7 +212,7 @@ begin
 
   beside_gen : if read_stages = 2 generate
     banked <= fetched;
-    bank_shown <= bank_read;
+    bank_banked <= bank_read;
   end generate;
 
   behind_gen : if read_stages > 2 generate
@@ -221,7 +221,24 @@ begin
       if rising_edge(clk) then
         if read_enable = '1' then
           banked <= fetched;
-          bank_shown <= bank_read;
+          bank_banked <= bank_read;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  near_gen : if read_stages < 5 generate
+    carried <= banked;
+    bank_shown <= bank_banked;
+  end generate;
+
+  far_gen : if read_stages = 5 generate
+    carry : process (clk)
+    begin
+      if rising_edge(clk) then
+        if read_enable = '1' then
+          carried <= banked;
+          bank_shown <= bank_banked;
         end if;
       end if;
     end process;
@@ -232,7 +249,7 @@ begin
     if rising_edge(clk) then
       if read_enable = '1' then
         bank_read <= banks_of(get_address);
-        read_reg <= chosen(banked, bank_shown);
+        read_reg <= chosen(carried, bank_shown);
       end if;
     end if;
   end process;

@@ -4,7 +4,7 @@
 -- pixel outside the screen is dropped. A port of its own reads by address, y * width + x.
 --
 -- Model: framebuffer.py.  Test: test_framebuffer.py.
--- Latency: 3 cycles from a pixel to the first read of it; 4 enabled cycles from an address to its value, 2
+-- Latency: 3 cycles from a pixel to the first read of it; 5 enabled cycles from an address to its value, 2
 -- with single_port.  One pixel in and one out per cycle.  Clear: width * height + 1 cycles once the pixels
 -- ahead are written.
 
@@ -116,7 +116,7 @@ begin
 
   two_ports_gen : if single_port = 0 generate
     memory_inst : entity work.block_ram
-      generic map (num_words => num_words, data_bits => value_bits, read_stages => 4)
+      generic map (num_words => num_words, data_bits => value_bits, read_stages => 5)
       port map (
         clk => clk,
         write_enable => write_enable, write_address => write_address, write_data => write_data,

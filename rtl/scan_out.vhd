@@ -20,7 +20,7 @@ entity scan_out is
     -- A channel is a byte: red, green, blue, or grey.
     num_channels : positive := 3;
     -- Enabled cycles from an address to its value.
-    read_stages : positive := 4;
+    read_stages : positive := 5;
     clocks_per_pixel : positive := 4;
     -- What is shown, then a rest, the pulse, a rest.
     columns : positive := 640;

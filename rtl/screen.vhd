@@ -6,7 +6,7 @@
 -- For edges the whole frame passes edge_map: width * (height + 1) cycles, where a line needs a million.
 --
 -- Model: screen.py.  Test: test_screen.py.
--- Latency: 14 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
+-- Latency: 15 cycles from a request to its first byte, a frame for edges.  One pixel or one byte per cycle.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -246,7 +246,7 @@ begin
   area_inst : entity work.read_out
     generic map (
       width => width, height => height, coord_bits => coord_bits, num_channels => data_bytes, with_count => 0,
-      with_crc => 0, read_stages => 4 - 2 * single_port_memory
+      with_crc => 0, read_stages => 5 - 3 * single_port_memory
     )
     port map (
       clk => clk, reset => reader_reset,

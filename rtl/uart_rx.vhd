@@ -34,6 +34,8 @@ architecture rtl of uart_rx is
   type state_t is record
     place : place_t;
     phase : u_unsigned(phase_bits - 1 downto 0);
+    -- The next phase, its carry on top: the addition is a cycle ahead.
+    following : u_unsigned(phase_bits downto 0);
     -- 0 start bit, 1 to 8 data, 9 stop bit.
     position : u_unsigned(3 downto 0);
     -- The samples at 3/8 and 4/8.
@@ -47,6 +49,7 @@ architecture rtl of uart_rx is
   constant state_init : state_t := (
     place => idle,
     phase => (others => '0'),
+    following => (others => '0'),
     position => (others => '0'),
     early => '1',
     middle => '1',
@@ -68,7 +71,6 @@ begin
 
   receive : process (all)
     variable v : state_t;
-    variable phase_after : u_unsigned(phase_bits downto 0);
     variable eighth, eighth_after : u_unsigned(2 downto 0);
     variable bit_value : std_ulogic;
   begin
@@ -76,26 +78,27 @@ begin
     v.valid := '0';
     v.framing := '0';
     v.breaks := '0';
-    phase_after := ('0' & state.phase) + ('0' & phase_step);
     eighth := state.phase(phase_bits - 1 downto phase_bits - 3);
-    eighth_after := phase_after(phase_bits - 1 downto phase_bits - 3);
+    eighth_after := state.following(phase_bits - 1 downto phase_bits - 3);
 
     if state.place = idle then
       v.position := (others => '0');
       v.phase := phase_step;
+      v.following := phase_step & '0';
       v.low_bits := (others => '0');
       if line_now = '0' then
         v.place := character;
       end if;
     else
-      v.phase := phase_after(phase_bits - 1 downto 0);
+      v.phase := state.following(phase_bits - 1 downto 0);
+      v.following := ('0' & state.following(phase_bits - 1 downto 0)) + ('0' & phase_step);
       if eighth < 3 and eighth_after >= 3 then
         v.early := line_now;
       end if;
       if eighth < 4 and eighth_after >= 4 then
         v.middle := line_now;
       end if;
-      if phase_after(phase_bits) = '1' and state.place = character then
+      if state.following(phase_bits) = '1' and state.place = character then
         v.position := state.position + 1;
       end if;
       if eighth < 5 and eighth_after >= 5 then

@@ -11,7 +11,7 @@ class BlockRam:
     Parameters
     ----------
     read_stages : int
-      Registers of the read port. Of four the first holds the address, and a write waits in one too.
+      Registers of the read port. Of four or more the first holds the address, and a write waits in one too.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class BlockRam:
 
     def __init__(self, read_stages: int = 2) -> None:
         self.words: dict[int, int] = {}
-        self.early = read_stages == 4
+        self.early = read_stages >= 4
         self.fetched: list[int | None] = [None] * (read_stages - self.early)
         self._write: tuple[int, int] | None = None
         self._read_address: int | None = None
