@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What ECP5's ODDRX1F does, for simulation: both bits are taken with the rising edge; the first goes out while
-// the clock is high after the next one, the second while it is low.
+// What ECP5's ODDRX1F does, for simulation: both bits are taken with the rising edge; the first goes out
+// while the clock is high after the next one, the second while it is low.
 
 module ODDRX1F (
   input SCLK,

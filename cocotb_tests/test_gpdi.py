@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ULX3S's serialiser of the monitor's words: bits on the lanes against the words, at every phase of both clocks."""
+"""ULX3S's serialiser: the bits on a monitor's lanes against its words, at every phase of both clocks."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import cocotb
 import pytest
 
 from bench import SPEEDS, Bench
-from quadshade.golden.scan_out import TmdsEncoder, decode
+from quadshade.golden.tmds_encoder import TmdsEncoder, decode
 from simulation import identifier, simulate
 
 LATENCY = 4

@@ -13,7 +13,9 @@ module tmds_encoder_properties (
 
   wire [9:0] word;
 
-  tmds_encoder dut (.clk(clk), .enable(enable), .active(active), .value(value), .control(control), .word(word));
+  tmds_encoder dut (
+    .clk(clk), .enable(enable), .active(active), .value(value), .control(control), .word(word)
+  );
 
   (* hierconn *) wire \dut.active_1 ;
   (* hierconn *) wire \dut.active_2 ;

@@ -5,8 +5,8 @@
 --
 -- Model: block_ram.py.  Test: test_block_ram.py.  Latency: read_stages enabled cycles.  A word in and out per
 -- cycle. A memory of many blocks needs three at 100 MHz: a block's word comes late in the cycle, its register
--- stands beside it, and behind the multiplexer of all banks stands the last one. One of the whole device needs
--- a fourth and a fifth: the ways to its blocks and from them take a cycle, with nothing but wires on it.
+-- stands beside it, and behind the multiplexer of all banks stands the last one. A memory of the whole device
+-- needs five: on the ways to its blocks and from them is nothing but wires.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -183,7 +183,7 @@ begin
     severity failure;
 
   at_once_gen : if read_stages < 4 generate
-    bank_gen : for bank in bank_t generate
+    select_gen : for bank in bank_t generate
       bank_writes(bank) <= '1' when write_enable = '1' and is_in(write_address, bank) else '0';
     end generate;
     put_address <= write_address;

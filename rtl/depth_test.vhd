@@ -5,8 +5,8 @@
 --
 -- Model: depth_test.py.  Test: test_depth_test.py.
 -- Latency: 8 cycles.  One pixel per cycle, whatever places follow each other: a pixel is compared with the
--- six ahead of it, whose depths are not yet in the memory, on its way. No pixel stands still on it, so nothing
--- stops the memory: what takes the kept ones takes one in every cycle.
+-- six ahead of it, whose depths are not yet in the memory, on its way. No pixel stands still on it, so
+-- nothing stops the memory: what takes the kept ones takes one in every cycle.
 -- Clear: width * height + 1 cycles once the pixels ahead have left. Generation bits that spare most fills
 -- were weighed: two bits a word more, and a fill of 320 x 240 is 0.8 ms at 100 MHz, where a serial line of
 -- 1 Mbaud needs half a second for a scene.  Depths are read, instead of new pixels, while it is idle.

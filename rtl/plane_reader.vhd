@@ -78,8 +78,8 @@ begin
 
   shown <= '1' when held_left /= 0 else '0';
   sent <= shown and byte_ready;
-  wants <= '1' when running = '1' and (held_left = 0 or (held_left = 1 and byte_ready = '1' and at_last = '0'))
-    else '0';
+  wants <= '1' when running = '1'
+    and (held_left = 0 or (held_left = 1 and byte_ready = '1' and at_last = '0')) else '0';
 
   request_ready <= not running;
   pixel_ready <= wants;

@@ -89,12 +89,12 @@ architecture rtl of scan_out is
   signal fetched, line_value : std_ulogic_vector(value_bits - 1 downto 0) := (others => '0');
   signal write_place : place_t;
 
-  function place_of(side : std_ulogic; index : index_t) return place_t is
+  function place_of(side : std_ulogic; within : index_t) return place_t is
   begin
     if side = '1' then
-      return resize(index, place_bits) + to_unsigned(width, place_bits);
+      return resize(within, place_bits) + to_unsigned(width, place_bits);
     end if;
-    return resize(index, place_bits);
+    return resize(within, place_bits);
   end function;
 
 begin

@@ -151,8 +151,8 @@ begin
         kept_valid => kept_valid, kept_x => kept_x, kept_y => kept_y,
         kept_value => kept_value, kept_depth => open
       );
-    -- A clear is over in the framebuffer before the first pixel behind it leaves the depth test: kept_ready is
-    -- high for every kept pixel.
+    -- A clear is over in the framebuffer before the first pixel behind it leaves the depth test: kept_ready
+    -- is high for every kept pixel.
     pixel_ready <= depth_ready;
     stored <= resize(look_depth, 8 * depth_bytes) & stored_value;
   end generate;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ULX3S, v2 and v3: the board between its USB serial chip's pins and the monitor's (GPDI), its clocks made from
-// the 25 MHz crystal.
+// ULX3S, v2 and v3: the board between its USB serial chip's pins and the monitor's (GPDI), its clocks made
+// from the 25 MHz crystal.
 // Reset after configuration, until the PLL has locked, and while button PWR is pressed.
 
 module top (
