@@ -27,6 +27,7 @@ CASES: list[tuple[str, str, dict[str, int]]] = [
     ("framebuffer", "ecp5-85k-6", LARGE),
     ("read_out", "ecp5-85k-6", LARGE),
     ("edge_map", "ecp5-85k-6", {"max_width": 320}),
+    ("scan_out", "ecp5-85k-6", {"width": 320}),
     ("depth_test", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL),
     ("framebuffer", "ice40-hx8k", {"width": 96, "height": 64, "value_bits": 8}),
