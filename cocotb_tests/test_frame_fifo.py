@@ -20,9 +20,10 @@ class Config:
 
     num_words: int = 16
     data_bits: int = 32
+    read_stages: int = 4
 
 
-CONFIGS = [Config(), Config(num_words=4, data_bits=8)]
+CONFIGS = [Config(), Config(num_words=4, data_bits=8), Config(read_stages=2)]
 
 
 @pytest.mark.parametrize("config", CONFIGS, ids=identifier)

@@ -42,7 +42,9 @@ entity command_decoder is
     depth_bytes : natural := 2;
     -- Counters have no more bits than this; cycles that crc32 takes for a byte.
     most_counter_bits : positive := 32;
-    crc_cycles : positive := 1
+    crc_cycles : positive := 1;
+    -- Of frame_fifo.
+    fifo_stages : positive := 4
   );
   port (
     clk : in std_ulogic;
@@ -197,7 +199,7 @@ begin
 
   fifo : entity work.frame_fifo
     generic map (
-      num_words => fifo_words, data_bits => 32
+      num_words => fifo_words, data_bits => 32, read_stages => fifo_stages
     )
     port map (
       clk => clk, reset => all_reset, write_valid => write_valid, write_data => write_data, commit => commit,

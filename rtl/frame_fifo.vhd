@@ -16,7 +16,9 @@ entity frame_fifo is
   generic (
     -- A power of two.
     num_words : positive := 512;
-    data_bits : positive := 32
+    data_bits : positive := 32;
+    -- Of block_ram, at most 4: where the device is full of memory, this one's blocks are anywhere.
+    read_stages : positive := 4
   );
   port (
     clk : in std_ulogic;
@@ -60,8 +62,7 @@ begin
     generic map (
       num_words => num_words,
       data_bits => data_bits,
-      -- On a device that is full of memory its block is anywhere.
-      read_stages => 4
+      read_stages => read_stages
     )
     port map (
       clk => clk,
