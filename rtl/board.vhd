@@ -40,8 +40,8 @@ entity board is
     single_port_memory : natural := 0;
     -- 1: what scan_out makes of the picture, for a monitor of 640 x 480 and a clock of 100 MHz.
     with_video : natural := 0;
-    -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and the
-    -- FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
+    -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
+    -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
