@@ -40,10 +40,9 @@ entity command_decoder is
     screen_height : natural := 240;
     colour_bytes : natural := 3;
     depth_bytes : natural := 2;
-    -- Counters have no more bits than this; cycles that crc32 takes for a byte.
+    -- Counters have no more bits than this; cycles that crc32 takes for a byte; registers of frame_fifo.
     most_counter_bits : positive := 32;
     crc_cycles : positive := 1;
-    -- Of frame_fifo.
     fifo_stages : positive := 4
   );
   port (
