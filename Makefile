@@ -15,8 +15,9 @@ PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED
 # Yosys has no model of ECP5's block RAM to simulate.
 MEMORY_TESTS := block_ram or depth_test or framebuffer or edge_map
 
-# Each unit with its default generics, and the whole core with one linear channel and depth.
-MAPPED_TESTS := (default and not raster_core) or (raster_core and depth_bits)
+# Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
+# large enough for a monitor takes too long.
+MAPPED_TESTS := (default and not raster_core and not screen_video) or (raster_core and depth_bits)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
