@@ -12,8 +12,9 @@ export QUADSHADE_SEED := $(SEED)
 VENV := .venv/bin/python
 PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
 
-# Yosys has no model of ECP5's block RAM to simulate.
-MEMORY_TESTS := block_ram or depth_test or framebuffer or edge_map
+# Yosys has no model of ECP5's block RAM and multipliers to simulate.
+NO_MODEL_TESTS := block_ram or depth_test or framebuffer or edge_map or screen or power_table or shade or \
+  frame_receiver or command_decoder or board or cobs_encoder or single_port_ram or render_core
 
 # Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
 # large enough for a monitor takes too long.
@@ -97,7 +98,7 @@ test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
 	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
-	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(MEMORY_TESTS))'
+	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(NO_MODEL_TESTS))'
 
 .PHONY: adapt
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
