@@ -75,8 +75,6 @@ async def every_bit(dut: Any, phase_ps: int, first: int) -> None:
         bench.check("clock lane", four[3], CLOCK_LANE, at)
         got.append(four[0] | four[1] << 10 | four[2] << 20)
     bench.check("many words came", len(got) > 50, True)
-    # None is lost, none comes twice; the first ones are before the clocks were in step.
-    skipped = words.index(got[0])
-    bench.check("words", got, words[skipped : skipped + len(got)])
-    bench.check("from the beginning on", skipped <= 2, True)
+    # From the first on; none is lost, none comes twice.
+    bench.check("words", got, words[: len(got)])
     bench.finish(at_least=50)

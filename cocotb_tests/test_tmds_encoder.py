@@ -59,6 +59,6 @@ async def every_byte(dut: Any, speed: str) -> None:
         disparities.add(model.disparity)
         if len(coming) > LATENCY:
             coming.popleft()
-    bench.check("disparity stays small", max(map(abs, disparities)) <= 10, True)
+    bench.check("disparity stays small", max(map(abs, disparities)) <= 8, True)
     bench.check("and is of every kind", len(disparities) > 6, True)
     bench.finish(at_least=2000)

@@ -55,6 +55,9 @@ begin
   assert 2 ** address_width = num_words
     report "generic num_words is " & integer'image(num_words) & "; give a power of two"
     severity failure;
+  assert read_stages <= 4
+    report "frame_fifo: read_stages is " & integer'image(read_stages) & ", must be 2, 3 or 4"
+    severity failure;
 
   store <= write_valid when (written - taken) /= num_words else '0';
 

@@ -60,6 +60,9 @@ def test_board_is_one_that_can_be_built(name: str) -> None:
     assert board.formats.value_bits == 8
     least = board.clocks["clk"]
     assert board.generics["clk_frequency_hz"] == least * 1e6
+    # Ten bits of a pixel, two in a cycle, in four of the system's.
+    assert board.clocks.get("clk_shift", 1.25 * least) == 1.25 * least
+    assert ("clk_shift" in board.clocks) == bool(board.generics.get("with_video", 0))
     text = (ROOT / "rtl" / "board.vhd").read_text()
     generics = re.findall(r"^    (\w+) : (?:natural|positive) :=", text[: text.index("port (")], re.MULTILINE)
     assert set(board.generics) <= set(generics)
