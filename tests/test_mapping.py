@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a design becomes cells of iCE40: what is short is made of LUTs, and means the same."""
+"""How a design becomes cells of iCE40: what is short or costs nothing is made of LUTs, and means the same."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from quadshade.errors import QuadshadeError
 from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapped import cell_models
@@ -19,6 +20,12 @@ from yosys_proof import prove_equal
 SUM = "assign q = a + b;"
 ABOVE = "assign q = a > 37;"
 REGISTER = "reg [{top}:0] r = 0; always @(posedge clk) if (enable) r <= a ^ b; assign q = r;"
+
+TAKEN = "reg [{top}:0] r = 0; always @(posedge clk) if (enable) r <= a; assign q = r;"
+CLEARED = (
+    "reg [{top}:0] r = 0; always @(posedge clk) if (b[0]) r <= 0; else if (enable) r <= a; assign q = r;"
+)
+MODELS = ("LUT4", "CARRY", "DFF", "DFFE", "DFFSR", "DFFESR")
 
 
 def design(body: str, width: int) -> str:
@@ -56,15 +63,32 @@ def test_few_flip_flops_have_no_enable_of_their_own(tmp_path: Path) -> None:
     assert mapped(REGISTER, LEAST_SHARED, tmp_path)["SB_DFFE"] == LEAST_SHARED
 
 
-@pytest.mark.parametrize("body", [SUM, ABOVE], ids=["sum", "comparison"])
-@pytest.mark.parametrize("width", [6, LONGEST_SHORT, LONGEST_COMPARED])
+@pytest.mark.parametrize("body", [TAKEN, CLEARED], ids=["enable", "enable and reset"])
+def test_what_takes_another_has_no_enable(body: str, tmp_path: Path) -> None:
+    width = 4 * LEAST_SHARED
+    assert mapped(body, width, tmp_path) == {"SB_DFF": width, "SB_LUT4": width}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [SUM, ABOVE, REGISTER, TAKEN, CLEARED],
+    ids=["sum", "comparison", "behind logic", "taken", "cleared"],
+)
+@pytest.mark.parametrize("width", [6, LONGEST_SHORT, LONGEST_COMPARED, LEAST_SHARED])
 def test_cells_mean_the_same(body: str, width: int, tmp_path: Path) -> None:
     """Proved by Yosys, for all numbers."""
     mapped(body, width, tmp_path)
-    models = re.findall(
-        r"module SB_(?:LUT4|CARRY)\b.*?^endmodule", cell_models("ice40"), re.DOTALL | re.MULTILINE
+    pattern = rf"module SB_(?:{'|'.join(MODELS)})\b.*?^endmodule"
+    models = re.findall(pattern, cell_models("ice40"), re.DOTALL | re.MULTILINE)
+    assert len(models) == len(MODELS)
+    text = re.sub(r"`ICE40_DEFAULT_ASSIGNMENT\w*", "", "\n".join(models)).replace(
+        "`SB_DFF_INIT", "initial Q = 0;"
     )
-    assert len(models) == 2
-    text = re.sub(r"`ICE40_DEFAULT_ASSIGNMENT\w*", "", "\n".join(models))
     cells = (tmp_path / "mapped.v").read_text()
-    prove_equal("made", design(body, width), cells, text + "\n", tmp_path)
+    prove_equal("made", design(body, width), cells, text + "\n", tmp_path, registers="posedge" in body)
+
+
+def test_a_wrong_register_is_not_equal(tmp_path: Path) -> None:
+    wrong = design(TAKEN.replace("r <= a", "r <= b"), 6)
+    with pytest.raises(QuadshadeError, match="proof did fail"):
+        prove_equal("made", design(TAKEN, 6), wrong, "", tmp_path, registers=True)

@@ -8,9 +8,11 @@ from pathlib import Path
 from quadshade.synthesis.flow import run_yosys
 
 
-def prove_equal(unit: str, expected: str, cells: str, models: str, folder: Path) -> None:
+def prove_equal(
+    unit: str, expected: str, cells: str, models: str, folder: Path, registers: bool = False
+) -> None:
     """
-    Prove that two modules without registers give the same outputs, for all inputs.
+    Prove that two modules give the same outputs, for all inputs.
 
     Parameters
     ----------
@@ -22,6 +24,8 @@ def prove_equal(unit: str, expected: str, cells: str, models: str, folder: Path)
       Verilog of the cells that the second one is made of.
     folder : Path
       To work in.
+    registers : bool
+      The modules have registers, all of them outputs: proved by induction over the clocks.
 
     Raises
     ------
@@ -43,6 +47,6 @@ def prove_equal(unit: str, expected: str, cells: str, models: str, folder: Path)
         "hierarchy -top both",
         "flatten",
         "opt",
-        "sat -verify -prove trigger 0 both",
+        f"sat -verify {'-tempinduct ' if registers else ''}-prove trigger 0 both",
     ]
     run_yosys(commands, folder)

@@ -23,6 +23,8 @@ None of the others divides by anything but the doubled area. The hardware's word
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 from numba import njit
 
@@ -116,10 +118,10 @@ def _x_shading(i1, i2, i3, factor12, factor13, factor23):
 
 
 @njit(cache=True, error_model="numpy")
-def _slopes(legs):
-    """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., equations 20 and 21)."""
+def _slopes(legs, half):
+    """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., equations 20 and 21); half is one half."""
     x1, y1, x2, y2 = legs
-    omega = 1 / (2 * (x1 * y2 - x2 * y1))
+    omega = half / (x1 * y2 - x2 * y1)
     return y2 * omega, -x2 * omega, -y1 * omega, x1 * omega
 
 
@@ -171,7 +173,7 @@ def _run_general(vertices, normals, factors, light, out):
 def _run_unit_triangle(vertices, normals, factors, light, out):
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
-        slopes = _slopes(_legs(vertices[row]))
+        slopes = _slopes(_legs(vertices[row]), 0.5)
         _put(out, row, _on_screen(_unit_triangle(_six_samples(normals[row], towards)), slopes))
 
 
@@ -179,7 +181,7 @@ def _run_unit_triangle(vertices, normals, factors, light, out):
 def _run_x_shading(vertices, normals, factors, light, out):
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
-        slopes = _slopes(_legs(vertices[row]))
+        slopes = _slopes(_legs(vertices[row]), 0.5)
         n = normals[row]
         i1, i2, i3 = _dot(towards, 0, n, 0), _dot(towards, 0, n, 3), _dot(towards, 0, n, 6)
         f12, f13, f23 = _dot(n, 0, n, 3) - 1, _dot(n, 0, n, 6) - 1, _dot(n, 3, n, 6) - 1
@@ -191,7 +193,7 @@ def _run_x_shading(vertices, normals, factors, light, out):
 def _run_x_shading_stored(vertices, normals, factors, light, out):
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
-        slopes = _slopes(_legs(vertices[row]))
+        slopes = _slopes(_legs(vertices[row]), 0.5)
         n = normals[row]
         i1, i2, i3 = _dot(towards, 0, n, 0), _dot(towards, 0, n, 3), _dot(towards, 0, n, 6)
         unit = _x_shading(i1, i2, i3, factors[row, 0], factors[row, 1], factors[row, 2])
@@ -225,7 +227,7 @@ def _fit(vertices, samples, which, rows, out):
         elif which == 1:
             _put(out, row, general(six, legs, rows))
         else:
-            _put(out, row, _on_screen(_unit_triangle(six), _slopes(legs)))
+            _put(out, row, _on_screen(_unit_triangle(six), _slopes(legs, 0.5)))
 
 
 def edge_factors(normals: np.ndarray) -> np.ndarray:
@@ -350,7 +352,8 @@ def terms_in(method: str, legs: tuple, samples: tuple) -> tuple:
     """
     if method == "abbas":
         return _plain(_abbas)(samples, legs)
-    slopes = _plain(_slopes)(legs)
+    half = Fraction(1, 2) if isinstance(legs[0], Fraction) else 0.5
+    slopes = _plain(_slopes)(legs, half)
     unit = _plain(_unit_triangle)(samples) if method == "unit_triangle" else _plain(_x_shading)(*samples)
     return _plain(_on_screen)(unit, slopes)
 

