@@ -43,7 +43,7 @@ PLAIN_SCENE = "sphere:690"
 PLAIN_TRIANGLES = 200
 SETUPS = 128
 """Triangles of the set-up methods' measurement, set up over and over: they stay in the innermost cache."""
-SETUP_ROUNDS = 200
+SETUP_ROUNDS = 2000
 PAPER = {"abbas": 42.0, "unit_triangle": 40.3, "x_shading": 12.7}
 """Seconds of 10**8 set-ups, Barrera et al., Table 1 (Abbas, Hast, X-shading)."""
 TARGETS = {
@@ -211,7 +211,7 @@ def measure(scene: str, golden: int, slices: int, repeats: int) -> dict:
         raise QuadshadeError("compiled and plain set-up differ", "this is a bug: please report it")
     return {
         "load": round(os.getloadavg()[0], 1),
-        "setups": setups(SETUP_ROUNDS, 40 * repeats),
+        "setups": setups(SETUP_ROUNDS, 4 * repeats),
         "host_path": {name: host_path(scene, name == "culled", repeats) for name in ("all", "culled")},
         "golden": golden_model(golden, 2 * repeats),
         "memory": [peak_memory(stacks, slices) for stacks in (251, 501, 1001)],
