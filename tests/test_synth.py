@@ -17,7 +17,7 @@ from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis import DEVICES, find_board, find_device, module_ports, table, write_harness
-from quadshade.synthesis.flow import Implementation, Placed, find_tool, once, run_yosys
+from quadshade.synthesis.flow import Implementation, Placed, find_tool, once, run_nextpnr, run_yosys
 from quadshade.synthesis.mapping import CHECKED
 from quadshade.synthesis.reports import (
     Area,
@@ -25,6 +25,7 @@ from quadshade.synthesis.reports import (
     area_from_stat,
     critical_path,
     fmax_mhz,
+    fullest,
     signal_names,
 )
 
@@ -206,6 +207,33 @@ def test_critical_path_in_names_of_the_vhdl() -> None:
     assert critical_path(REPORT, CELLS) == CriticalPath("walker_inst.rows[1]", "span_inst.count", 1.0, 2.0, 1)
     with pytest.raises(QuadshadeError, match="no path"):
         critical_path({"critical_paths": REPORT["critical_paths"][:1]}, CELLS)
+
+
+LOG = """\
+Info: Device utilisation:
+Info: \t         ICESTORM_LC:    5288/   5280   100%
+Info: \t               SB_GB:       8/      8   100%
+Info: \t       ICESTORM_PLL:       0/      0     0%
+"""
+
+
+def test_what_fills_the_device() -> None:
+    assert fullest(LOG) == ("ICESTORM_LC", 5288, 5280)
+    assert fullest("ERROR: no such file") is None
+
+
+def test_too_large_for_the_device(tmp_path: Path) -> None:
+    device = find_device("ice40-up5k")
+    made = "reg [5299:0] r = 0; always @(posedge clk) r <= {r[5298:0], a}; assign q = r[5299];"
+    (tmp_path / "made.v").write_text(f"module made (input clk, input a, output q);\n{made}\nendmodule\n")
+    run_yosys(["read_verilog made.v", f"{device.yosys} -top made", "write_json made.json"], tmp_path)
+    with pytest.raises(
+        QuadshadeError, match=r"no place .* on ice40-up5k: 53\d\d of 5280 ICESTORM_LC"
+    ) as raised:
+        run_nextpnr([*device.nextpnr, "--json", "made.json"], tmp_path, device)
+    assert "fewer channels" in str(raised.value)
+    with pytest.raises(QuadshadeError, match=r"nextpnr-ice40 failed: .*none\.json"):
+        run_nextpnr([*device.nextpnr, "--json", "none.json"], tmp_path, device)
 
 
 def test_fmax() -> None:

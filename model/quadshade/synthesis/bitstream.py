@@ -16,7 +16,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.formats import Formats
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
-from quadshade.synthesis.flow import find_tool, run_tool, tool_version, write_mapped
+from quadshade.synthesis.flow import find_tool, run_nextpnr, run_tool, tool_version, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 ENTITY = "board"
@@ -246,13 +246,10 @@ def _route(board: BoardFile, folder: Path, seed: int, root: Path) -> Built:
         "--timing-allow-fail",
         "--report",
         "report.json",
-        "-q",
-        "--log",
-        "nextpnr.log",
     ]
     if board.family == "ice40":
         command += ["--freq", str(max(board.clocks.values()))]
-    run_tool(command, folder)
+    run_nextpnr(command, folder, board.device)
     report = json.loads((folder / "report.json").read_text())
     cells = report["utilization"]
     area = {

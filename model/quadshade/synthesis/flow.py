@@ -34,10 +34,12 @@ from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
 from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
-from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz
+from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz, fullest
 
 YOSYS = "pyosys"
 """Native Yosys as a Python module; the WebAssembly one ends without a word while it maps the core."""
+
+NO_PLACE = re.compile(r"BELs remaining|legal placement|expand region")
 
 RUN_SCRIPT = "import sys; from pyosys import libyosys as y; y.run_pass('script ' + sys.argv[1], y.Design())"
 
@@ -127,6 +129,28 @@ def run_tool(command: Sequence[str | Path], folder: Path) -> str:
         reason = (lines or printed.strip().splitlines()[-1:] or [f"exit code {done.returncode}"])[0]
         raise QuadshadeError(f"{command[0]} failed: {reason.strip()}")
     return printed
+
+
+def run_nextpnr(command: Sequence[str], folder: Path, device: Device) -> None:
+    """
+    Run nextpnr, with its log in ``nextpnr.log``.
+
+    Raises
+    ------
+    QuadshadeError
+      It fails; if it finds no place for a cell, with what fills the device.
+    """
+    try:
+        run_tool([*command, "-q", "--log", "nextpnr.log"], folder)
+    except QuadshadeError as problem:
+        log = folder / "nextpnr.log"
+        full = fullest(log.read_text()) if log.is_file() and NO_PLACE.search(str(problem)) else None
+        if full is None:
+            raise
+        raise QuadshadeError(
+            f"nextpnr finds no place for every cell on {device.name}: {full[1]} of {full[2]} {full[0]}",
+            "give fewer channels, shorter words, another seed or another device",
+        ) from None
 
 
 def run_yosys(commands: Sequence[str], folder: Path) -> None:
@@ -292,13 +316,12 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
         "--freq",
         str(device.aim_mhz),
         "--timing-allow-fail",
-        "-q",
     ]
 
     def make(folder: Path) -> None:
         # By a relative path: the WebAssembly nextpnr has a /tmp of its own.
         harness = os.path.relpath(mapped / "harness.json", folder)
-        run_tool([*command, "--json", harness, "--report", "report.json", "--log", "nextpnr.log"], folder)
+        run_nextpnr([*command, "--json", harness, "--report", "report.json"], folder, device)
 
     name = _hash(mapped.name, *command, tool_version(command[0]))
     folder = once(root / "build" / "synth" / "placed", name, make)

@@ -17,6 +17,11 @@ BLOCK_RAMS = re.compile(r"DP16KD|PDPW16KD|SB_RAM40_4K\w*")
 MULTIPLIERS = re.compile(r"MULT18X18D|ALU54B|SB_MAC16")
 
 
+GLOBAL_BUFFERS = ("SB_GB", "DCCA")
+USED = re.compile(r"^Info:\s+(\w+):\s+(\d+)/\s*(\d+)\s+\d+%", re.MULTILINE)
+"""nextpnr's log: a kind of cell, how many are used, how many there are."""
+
+
 @dataclass(frozen=True)
 class Area:
     """
@@ -178,3 +183,15 @@ def critical_path(report: Mapping, cells: Mapping) -> CriticalPath:
         round(routing, 2),
         levels,
     )
+
+
+def fullest(log: str) -> tuple[str, int, int] | None:
+    """
+    The kind of cell that fills a device most, how many are used, and how many it has; from nextpnr's log.
+
+    None where the log says nothing of it.
+    """
+    kinds = [(kind, int(used), int(there)) for kind, used, there in USED.findall(log) if int(there)]
+    # Global buffers are taken as long as there are any.
+    kinds = [found for found in kinds if found[0] not in GLOBAL_BUFFERS]
+    return max(kinds, key=lambda found: found[1] / found[2], default=None)
