@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import re
 from collections.abc import Mapping
 from importlib.util import find_spec
@@ -12,9 +13,10 @@ from pathlib import Path
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
+from quadshade.synthesis import block_registers
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import find_device
-from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version
+from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 GENERIC = "ghdl"
@@ -43,6 +45,22 @@ def cell_models(family: str) -> str:
         r'`include "(common_sim|ccu2c_sim)\.vh"', lambda at: (folder / f"{at[1]}.vh").read_text(), text
     )
     return defines + "".join(line for line in text.splitlines(keepends=True) if "$error(" not in line)
+
+
+def simulation_models(family: str, root: Path) -> str:
+    """
+    Models of all of a family's cells: Yosys' own, and those of ``synth/models`` for what it has none of.
+
+    Raises
+    ------
+    QuadshadeError
+      pyosys is not installed.
+    """
+    text = cell_models(family)
+    for path in sorted((root / "synth" / "models" / family).glob("*.v")):
+        black_box = rf"^\(\* blackbox \*\)\s*module {path.stem}\b.*?^endmodule$"
+        text = re.sub(black_box, "", text, flags=re.DOTALL | re.MULTILINE) + path.read_text()
+    return text
 
 
 def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Path]:
@@ -74,15 +92,17 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
         return [netlist]
     device = find_device(FAMILIES[kind])
     verilog = with_cells(netlist.read_text(), kind, root)
-    commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit), "write_verilog -noattr mapped.v"]
-    models = cell_models(kind)
+    commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit)]
+    models = simulation_models(kind, root)
 
     def make(folder: Path) -> None:
         (folder / "cells.v").write_text(models)
         (folder / f"{unit}.v").write_text(verilog)
-        run_yosys(commands, folder)
+        write_mapped(commands, folder / "mapped.json", unit, device)
+        run_yosys(["read_json mapped.json", "write_verilog -noattr mapped.v"], folder)
 
-    text = "\0".join([verilog, *commands, models, tool_version(YOSYS)])
+    absorbing = inspect.getsource(block_registers)
+    text = "\0".join([verilog, *commands, models, absorbing, tool_version(YOSYS)])
     name = hashlib.sha256(text.encode()).hexdigest()[:16]
     folder = once(root / "build" / "mapped", name, make)
     return [folder / "mapped.v", folder / "cells.v"]
