@@ -12,8 +12,8 @@ export QUADSHADE_SEED := $(SEED)
 VENV := .venv/bin/python
 PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
 
-# Each unit with its default generics, and the whole core with one linear channel and depth. What is large takes
-# too long: a screen for a monitor, the core with the shade unit, the board.
+# Each unit with its default generics, and the whole core with one linear channel and depth. What is large
+# takes too long: a screen for a monitor, the core with the shade unit, the board.
 TOO_LARGE := raster_core or screen_video or render_core or board
 MAPPED_TESTS := (default and not ($(TOO_LARGE))) or (raster_core and depth_bits)
 

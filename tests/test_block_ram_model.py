@@ -24,7 +24,8 @@ module {name} (input clk, input enable, input write, input [{a}:0] at, input [{a
 MEMORY = """\
   (* ram_style = "block", no_rw_check *) reg [{d}:0] words [0:{last}];
   integer index;
-  initial for (index = 0; index <= {first}; index = index + 1) words[index] = index < 512 ? index * 40503 >> 3 : 0;
+  initial for (index = 0; index <= {first}; index = index + 1)
+    words[index] = index < 512 ? index * 40503 >> 3 : 0;
 """
 MADE = """\
   reg [{d}:0] fetched = 0;
