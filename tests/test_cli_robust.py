@@ -167,8 +167,9 @@ def test_a_reflectance_neither_ends_the_program_nor_warns(tmp_path: Path, body: 
 INTERRUPTED = """
 import {modules}
 import click
-# What is started in the background of a script inherits that SIGINT is ignored.
+# What is started in the background of a script inherits that SIGINT is ignored, below nohup SIGHUP.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from quadshade.cli import main
 @main.main.command()
 def wait():
