@@ -169,7 +169,7 @@ import {modules}
 import click
 # What is started in the background of a script inherits that SIGINT is ignored, below nohup SIGHUP.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
+signal.signal(signal.SIGHUP, signal.{hangup})
 from quadshade.cli import main
 @main.main.command()
 def wait():
@@ -195,7 +195,8 @@ BODIES = {
 @pytest.mark.parametrize(("number", "code"), (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)))
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_signal_ends_the_program_at_once(number: str, code: int, body: str) -> None:
-    program = INTERRUPTED.format(modules="os, signal, time", body=body.format(number=number))
+    body = body.format(number=number)
+    program = INTERRUPTED.format(modules="os, signal, time", hangup="SIG_DFL", body=body)
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
     )
@@ -205,9 +206,7 @@ def test_a_signal_ends_the_program_at_once(number: str, code: int, body: str) ->
 def test_a_signal_that_is_ignored_stays_ignored() -> None:
     """As `nohup` has it."""
     body = "os.kill(os.getpid(), signal.SIGHUP); print('on')"
-    program = INTERRUPTED.format(
-        modules="os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)", body=body
-    )
+    program = INTERRUPTED.format(modules="os, signal", hangup="SIG_IGN", body=body)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
 
