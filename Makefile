@@ -12,10 +12,10 @@ export QUADSHADE_SEED := $(SEED)
 VENV := .venv/bin/python
 PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
 
-# Each unit with its default generics, and the whole core with one linear channel and depth. What is large
-# takes too long: a screen for a monitor, the core with the shade unit, the board.
-TOO_LARGE := raster_core or screen_video or render_core or board
-MAPPED_TESTS := (default and not ($(TOO_LARGE))) or (raster_core and depth_bits)
+# Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
+# large enough for a monitor takes too long; in cells of ECP5 also the core with the shade unit and the board.
+MAPPED_TESTS := (default and not raster_core and not screen_video) or (raster_core and depth_bits)
+LARGE := render_core or board
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -95,7 +95,7 @@ test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
 	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
-	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
+	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 
 .PHONY: adapt
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md

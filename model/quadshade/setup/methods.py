@@ -119,7 +119,7 @@ def _x_shading(i1, i2, i3, factor12, factor13, factor23):
 
 @njit(cache=True, error_model="numpy")
 def _slopes(legs, half):
-    """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., equations 20 and 21); half is one half."""
+    """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., 20 and 21); ``half`` in their arithmetic."""
     x1, y1, x2, y2 = legs
     omega = half / (x1 * y2 - x2 * y1)
     return y2 * omega, -x2 * omega, -y1 * omega, x1 * omega

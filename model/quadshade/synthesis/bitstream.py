@@ -240,13 +240,7 @@ def _route(board: BoardFile, folder: Path, seed: int, root: Path) -> Built:
     shutil.copyfile(board.constraints, folder / board.constraints.name)
     options = [option for option in board.device.nextpnr if not option.endswith("allow-unconstrained")]
     command = [*options, "--json", "mapped.json", routed, "routed.cfg", pins, board.constraints.name]
-    command += [
-        "--seed",
-        str(seed),
-        "--timing-allow-fail",
-        "--report",
-        "report.json",
-    ]
+    command += ["--seed", str(seed), "--timing-allow-fail"]
     if board.family == "ice40":
         command += ["--freq", str(max(board.clocks.values()))]
     run_nextpnr(command, folder, board.device)

@@ -10,7 +10,7 @@ from pathlib import Path
 from quadshade.errors import QuadshadeError
 
 # nextpnr's default weight of 10 leaves critical nets long: 40 is worth about 5 % of clock on the core. Not on
-# iCE40, where it costs 2 %.
+# iCE40, where it costs 2 to 3 % with words of 32 bits.
 EFFORT = ("--placer-heap-timingweight", "40")
 
 

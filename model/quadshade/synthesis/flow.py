@@ -133,7 +133,7 @@ def run_tool(command: Sequence[str | Path], folder: Path) -> str:
 
 def run_nextpnr(command: Sequence[str], folder: Path, device: Device) -> None:
     """
-    Run nextpnr, with its log in ``nextpnr.log``.
+    Run nextpnr, with its log in ``nextpnr.log`` and its report in ``report.json``.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def run_nextpnr(command: Sequence[str], folder: Path, device: Device) -> None:
       It fails; if it finds no place for a cell, with what fills the device.
     """
     try:
-        run_tool([*command, "-q", "--log", "nextpnr.log"], folder)
+        run_tool([*command, "-q", "--log", "nextpnr.log", "--report", "report.json"], folder)
     except QuadshadeError as problem:
         log = folder / "nextpnr.log"
         full = fullest(log.read_text()) if log.is_file() and NO_PLACE.search(str(problem)) else None
@@ -321,7 +321,7 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
     def make(folder: Path) -> None:
         # By a relative path: the WebAssembly nextpnr has a /tmp of its own.
         harness = os.path.relpath(mapped / "harness.json", folder)
-        run_nextpnr([*command, "--json", harness, "--report", "report.json"], folder, device)
+        run_nextpnr([*command, "--json", harness], folder, device)
 
     name = _hash(mapped.name, *command, tool_version(command[0]))
     folder = once(root / "build" / "synth" / "placed", name, make)

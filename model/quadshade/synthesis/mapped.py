@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.devices import find_device
+from quadshade.synthesis.devices import Device, find_device
 from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
@@ -63,6 +63,40 @@ def simulation_models(family: str, root: Path) -> str:
     return text
 
 
+def write_simulated(
+    commands: Sequence[str], folder: Path, unit: str, device: Device, root: Path
+) -> list[Path]:
+    """
+    Map a design as for nextpnr, and write it as Verilog with the models of its cells.
+
+    Parameters
+    ----------
+    commands : sequence of str
+      That read and map it: :func:`quadshade.synthesis.mapping.mapping_commands`.
+    folder : Path
+      With what they read; the files are written there.
+    unit : str
+      Its module.
+    device : Device
+    root : Path
+      Checkout of Quadshade.
+
+    Returns
+    -------
+    list of Path
+      Netlist and models.
+
+    Raises
+    ------
+    QuadshadeError
+      Yosys fails.
+    """
+    write_mapped(commands, folder / "mapped.json", unit, device)
+    run_yosys(["read_json mapped.json", "write_verilog -noattr mapped.v"], folder)
+    (folder / "cells.v").write_text(simulation_models(device.family, root))
+    return [folder / "mapped.v", folder / "cells.v"]
+
+
 def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Path]:
     """
     Verilog that stands for an entity in a simulation.
@@ -93,15 +127,13 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
     device = find_device(FAMILIES[kind])
     verilog = with_cells(netlist.read_text(), kind, root)
     commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit)]
-    models = simulation_models(kind, root)
 
     def make(folder: Path) -> None:
-        (folder / "cells.v").write_text(models)
         (folder / f"{unit}.v").write_text(verilog)
-        write_mapped(commands, folder / "mapped.json", unit, device)
-        run_yosys(["read_json mapped.json", "write_verilog -noattr mapped.v"], folder)
+        write_simulated(commands, folder, unit, device, root)
 
     absorbing = inspect.getsource(block_registers)
+    models = simulation_models(kind, root)
     text = "\0".join([verilog, *commands, models, absorbing, tool_version(YOSYS)])
     name = hashlib.sha256(text.encode()).hexdigest()[:16]
     folder = once(root / "build" / "mapped", name, make)

@@ -18,6 +18,8 @@ MULTIPLIERS = re.compile(r"MULT18X18D|ALU54B|SB_MAC16")
 
 
 GLOBAL_BUFFERS = ("SB_GB", "DCCA")
+"""Taken as long as there are any, by whatever is driven most."""
+
 USED = re.compile(r"^Info:\s+(\w+):\s+(\d+)/\s*(\d+)\s+\d+%", re.MULTILINE)
 """nextpnr's log: a kind of cell, how many are used, how many there are."""
 
@@ -191,7 +193,9 @@ def fullest(log: str) -> tuple[str, int, int] | None:
 
     None where the log says nothing of it.
     """
-    kinds = [(kind, int(used), int(there)) for kind, used, there in USED.findall(log) if int(there)]
-    # Global buffers are taken as long as there are any.
-    kinds = [found for found in kinds if found[0] not in GLOBAL_BUFFERS]
+    kinds = [
+        (kind, int(used), int(there))
+        for kind, used, there in USED.findall(log)
+        if int(there) and kind not in GLOBAL_BUFFERS
+    ]
     return max(kinds, key=lambda found: found[1] / found[2], default=None)

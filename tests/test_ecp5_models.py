@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model of ECP5's block RAM is the memory that Yosys made it of, with and without its output register."""
+"""The models of ECP5's block RAM and multiplier are the memory and the product that Yosys made them of."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from quadshade.synthesis.devices import find_device
-from quadshade.synthesis.flow import run_yosys, write_mapped
-from quadshade.synthesis.mapped import simulation_models
+from quadshade.synthesis.mapped import write_simulated
 from quadshade.synthesis.mapping import mapping_commands
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -64,6 +63,15 @@ endmodule
 needs_icarus = pytest.mark.skipif(not shutil.which("iverilog"), reason="needs Icarus: run `make setup`")
 
 
+def run_bench(verilog: str, files: list[Path], folder: Path) -> str:
+    """What a bench prints."""
+    (folder / "bench.v").write_text(verilog)
+    build = ["iverilog", "-g2012", "-s", "bench", "-o", "bench.vvp", "bench.v", *files]
+    subprocess.run(build, cwd=folder, check=True, capture_output=True)
+    run = subprocess.run(["vvp", "-n", "bench.vvp"], cwd=folder, check=True, capture_output=True, text=True)
+    return run.stdout.strip()
+
+
 def simulated(
     data_bits: int, num_words: int, behind: str, spoil: tuple[str, str], folder: Path
 ) -> tuple[str, str]:
@@ -79,19 +87,11 @@ def simulated(
     # Yosys takes long over a loop; what it leaves out is zero in a block.
     (folder / "made.v").write_text((PORTS + MEMORY + MADE).format(name="made", first=511, **fields))
     commands = ["read_verilog made.v", *mapping_commands(device, "made")]
-    write_mapped(commands, folder / "mapped.json", "made", device)
-    run_yosys(["read_json mapped.json", "write_verilog -noattr mapped.v"], folder)
-    netlist = (folder / "mapped.v").read_text()
-    (folder / "mapped.v").write_text(netlist.replace(*spoil))
-    (folder / "cells.v").write_text(simulation_models("ecp5", ROOT))
-    (folder / "bench.v").write_text(
-        (PORTS + MEMORY + EXPECTED).format(name="expected", first=num_words - 1, **fields)
-        + BENCH.format(**fields)
-    )
-    build = ["iverilog", "-g2012", "-s", "bench", "-o", "bench.vvp", "bench.v", "mapped.v", "cells.v"]
-    subprocess.run(build, cwd=folder, check=True, capture_output=True)
-    run = subprocess.run(["vvp", "-n", "bench.vvp"], cwd=folder, check=True, capture_output=True, text=True)
-    return run.stdout.strip(), netlist
+    files = write_simulated(commands, folder, "made", device, ROOT)
+    netlist = files[0].read_text()
+    files[0].write_text(netlist.replace(*spoil))
+    expected = (PORTS + MEMORY + EXPECTED).format(name="expected", first=num_words - 1, **fields)
+    return run_bench(expected + BENCH.format(**fields), files, folder), netlist
 
 
 @needs_icarus
@@ -125,3 +125,38 @@ def test_a_wrong_block_is_found(spoil: tuple[str, str], tmp_path: Path) -> None:
     printed, netlist = simulated(9, 2048, "if (enable) q <= fetched;", spoil, tmp_path)
     assert spoil[0] in netlist
     assert not printed.startswith("0 wrong")
+
+
+PRODUCT = "module made (input {sign} [17:0] a, input {sign} [17:0] b, output {sign} [35:0] q);"
+PRODUCTS = """\
+module bench;
+  reg {sign} [17:0] a, b;
+  wire {sign} [35:0] q;
+  integer index, wrong = 0;
+  made made_inst (a, b, q);
+  initial begin
+    for (index = 0; index < {clocks}; index = index + 1) begin
+      // Near zero and near the ends now and then.
+      a = index % 3 ? $random : index % 16 - 8; b = index % 5 ? $random : index % 16 - 8;
+      #1 if (q !== {expected}) wrong = wrong + 1;
+    end
+    $display("%0d wrong", wrong);
+  end
+endmodule
+"""
+
+
+@needs_icarus
+@pytest.mark.parametrize("sign", ["signed", ""], ids=["signed", "unsigned"])
+def test_model_is_the_product(sign: str, tmp_path: Path) -> None:
+    device = find_device("ecp5-25k-6")
+    (tmp_path / "made.v").write_text(PRODUCT.format(sign=sign) + " assign q = a * b; endmodule\n")
+    commands = ["read_verilog made.v", *mapping_commands(device, "made")]
+    files = write_simulated(commands, tmp_path, "made", device, ROOT)
+    assert re.findall(r"^  (MULT\w+)", files[0].read_text(), re.MULTILINE) == ["MULT18X18D"]
+    right, wrong = (
+        run_bench(PRODUCTS.format(sign=sign, clocks=CLOCKS, expected=expected), files, tmp_path)
+        for expected in ("a * b", "a * b + (a == b)")
+    )
+    assert right == "0 wrong"
+    assert wrong != "0 wrong"
