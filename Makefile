@@ -29,7 +29,7 @@ setup: tools .venv/installed ## install what is missing: simulators (apt), a .ve
 
 .PHONY: demo
 demo: setup ## draw the six spheres through the VHDL, check every pixel, write build/demo/*.png
-	@$(VENV) scripts/demo.py
+	@$(VENV) -m scripts.demo
 
 .PHONY: test
 test: setup ## run every test; T=name selects, SEED=n sets the seed, WAVES=1 keeps waveforms
@@ -41,54 +41,54 @@ lint: setup ## check style, file hygiene, generated files and that the RTL analy
 
 .PHONY: throughput
 throughput: setup ## measure clocks per pixel in simulation, write docs/reports/throughput.md
-	@$(VENV) scripts/throughput.py
+	@$(VENV) -m scripts.experiments.throughput
 
 .PHONY: hostspeed
 hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
-	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) scripts/hostspeed.py
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed
 
 .PHONY: stability
 stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
-	@$(VENV) scripts/stability.py
+	@$(VENV) -m scripts.experiments.setup_stability
 .PHONY: shade-table
-shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md and docs/shade.md
-	@$(VENV) scripts/shade_table.py
+shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
+	@$(VENV) -m scripts.experiments.shade_table
 
 .PHONY: extremes
 extremes: setup ## measure error over triangle size and fraction, write docs/reports/extremes.md
-	@$(VENV) scripts/extremes.py
+	@$(VENV) -m scripts.experiments.error_extremes
 
 .PHONY: continuity
 continuity: setup ## measure Mach bands and fractional stepping, write docs/reports/continuity.md
-	@$(VENV) scripts/continuity.py
+	@$(VENV) -m scripts.experiments.continuity.report
 
 .PHONY: simspeed
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
-	@$(VENV) scripts/simspeed.py
+	@$(VENV) -m scripts.experiments.simulation_speed
 
 .PHONY: boardspeed
 boardspeed: setup ## triangles a second, line load of the simulated board; docs/reports/boardspeed.md
-	@$(VENV) scripts/boardspeed.py
+	@$(VENV) -m scripts.experiments.board_speed
 
 .PHONY: faults
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
-	@$(VENV) scripts/faults.py
+	@$(VENV) -m scripts.experiments.link_faults
 
 .PHONY: faults-rtl
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
-	@$(VENV) scripts/faults_rtl.py
+	@$(VENV) -m scripts.experiments.link_faults_rtl
 
 .PHONY: linkbytes
 linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
-	@$(VENV) scripts/link_bytes.py
+	@$(VENV) -m scripts.experiments.link_bytes
 
 .PHONY: report
 report: setup ## what accuracy costs, as a page: build/report/index.html; goes on after a kill
-	@$(VENV) scripts/report.py --jobs $(JOBS)
+	@$(VENV) -m quadshade.trade.page --jobs $(JOBS)
 
 .PHONY: report-image
 report-image: setup ## the report, and the README's picture of it
-	@$(VENV) scripts/report.py --jobs $(JOBS) --screenshot docs/images/report.png
+	@$(VENV) -m quadshade.trade.page --jobs $(JOBS) --screenshot docs/images/report.png
 
 .PHONY: test-netlist
 test-netlist: export QUADSHADE_SIM := icarus
@@ -99,28 +99,28 @@ test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iC
 
 .PHONY: adapt
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
-	@$(VENV) scripts/adapt.py
+	@$(VENV) -m scripts.experiments.adaptive_vs_fixed
 
 .PHONY: edges
 edges: setup ## edge maps against the mesh's edges; docs/reports/edges.md, docs/images/styles.png
-	@$(VENV) scripts/edges.py
+	@$(VENV) -m scripts.experiments.edges.report
 
 .PHONY: cho
 cho: setup ## Cho's tables on a teapot of 896 triangles, 60 views; writes docs/reports/cho.md
-	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) scripts/cho.py
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.cho.tables
 
 .PHONY: formal
 formal: setup ## prove units and core over their netlists; writes docs/reports/formal.md; T=name
-	@$(VENV) scripts/formal.py --jobs $(JOBS) $(if $(T),--only '$(T)')
+	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
 
 .PHONY: readme
 readme: setup ## run the demo and write the README's picture and tables
-	@$(VENV) scripts/demo.py --publish
-	@$(VENV) scripts/readme.py
+	@$(VENV) -m scripts.demo --publish
+	@$(VENV) -m scripts.readme
 
 .PHONY: rtl
-rtl: setup ## write rtl/quadshade_pkg.vhd, link_pkg.vhd, packed_pkg.vhd from their Python sources
-	@$(VENV) scripts/generate_vhdl.py
+rtl: setup ## write rtl/generated/ from their Python sources
+	@$(VENV) -m scripts.generate_vhdl
 
 .PHONY: format
 format: setup ## format the Python files
@@ -151,31 +151,31 @@ GENERIC_OPTIONS := $(foreach generic,$(GENERICS),--generic $(generic))
 
 .PHONY: netlist
 netlist: setup ## write the core as one Verilog file below build/; GENERICS="stream_width=128 ..."
-	@$(VENV) scripts/netlist.py $(GENERIC_OPTIONS)
+	@$(VENV) -m scripts.netlist $(GENERIC_OPTIONS)
 
 .PHONY: synth
 synth: setup ## clock and area for a DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f; SEEDS=5 GENERICS="..."
-	@JOBS=$(JOBS) $(VENV) scripts/synth.py run --seeds $(SEEDS) $(GENERIC_OPTIONS) \
+	@JOBS=$(JOBS) $(VENV) -m scripts.synth run --seeds $(SEEDS) $(GENERIC_OPTIONS) \
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(BOARD),--board $(BOARD))
 
 .PHONY: limits
 limits: setup ## the core beside a lone accumulator on every device of the table; writes synth/resources.json
-	@JOBS=$(JOBS) $(VENV) scripts/synth.py limits --seeds $(SEEDS)
-	@$(VENV) scripts/synth.py readme
+	@JOBS=$(JOBS) $(VENV) -m scripts.synth limits --seeds $(SEEDS)
+	@$(VENV) -m scripts.synth readme
 
 .PHONY: screen
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
-	@JOBS=$(JOBS) $(VENV) scripts/screen.py --seeds $(SEEDS)
+	@JOBS=$(JOBS) $(VENV) -m scripts.experiments.screen_area --seeds $(SEEDS)
 
 .PHONY: bitstream
 bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f, icebreaker
-	@$(VENV) scripts/bitstream.py build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
+	@$(VENV) -m scripts.bitstream build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
 
 .PHONY: program
 program: setup ## load that bitstream into the board, with openFPGALoader, fujprog or iceprog
-	@$(VENV) scripts/bitstream.py program $(if $(BOARD),--board $(BOARD))
+	@$(VENV) -m scripts.bitstream program $(if $(BOARD),--board $(BOARD))
 
 .PHONY: synth-check
 synth-check: setup ## measure the table synth/resources.json again and compare (slow)
-	@JOBS=$(JOBS) $(VENV) scripts/synth.py check
+	@JOBS=$(JOBS) $(VENV) -m scripts.synth check
 # --- synthesis: end

@@ -25,15 +25,15 @@ from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
 from rich.table import Table
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import Drawing
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.image import paint, visible, write_png
 from quadshade.image.compare import psnr
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample
 from quadshade.shading.reference import phong
-from quadshade.triangles import Drawing
 
 SPHERES = (168, 374, 690)
 EXPONENTS = (5, 50)
@@ -44,7 +44,7 @@ CAMERA = "ortho=1.05"
 MODEL = "blinn"
 BACKGROUND = (0, 0, 0)
 
-DOCS = Path(__file__).resolve().parent.parent / "docs"
+DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 CAPTION_HEIGHT = 28
 SHEET_SIZE = 256

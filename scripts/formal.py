@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """
-Prove what formal/proofs*.toml list, over GHDL's netlists, reject its mutants, write docs/reports/formal.md.
+Prove what formal/*/proofs.toml list, over GHDL's netlists, reject its mutants, write docs/reports/formal.md.
 
 Three kinds of proof: `sby`, induction of a wrapper's properties; `smt2`, questions to z3 that have no answer;
 and `cones`, whether a port depends on another within the cycle. A mutant is a change of the RTL, or of a
@@ -40,9 +40,10 @@ FLIP_FLOPS = "-$dff,$dffe,$sdff,$sdffe,$sdffce,$adff,$adffe,$aldff,$aldffe"
 
 @dataclass(frozen=True)
 class Proof:
-    """A table of formal/proofs*.toml."""
+    """A table of formal/*/proofs.toml."""
 
     name: str
+    folder: Path
     claim: str
     kind: str
     units: list[str] = field(default_factory=list)
@@ -89,17 +90,17 @@ class Outcome:
 
 def load_proofs() -> list[Proof]:
     """
-    Every proof of formal/proofs.toml and those beside it, in the order of the files' names.
+    Every proof of formal/*/proofs.toml, in the order of the folders' names.
 
     Raises
     ------
     QuadshadeError
       A proof without a mutant.
     """
-    tables = {}
-    for path in sorted(FORMAL.glob("proofs*.toml"), key=lambda path: path.stem):
-        tables |= tomllib.loads(path.read_text())
-    proofs = [Proof(name, **table) for name, table in tables.items()]
+    proofs = []
+    for path in sorted(FORMAL.glob("*/proofs.toml")):
+        tables = tomllib.loads(path.read_text())
+        proofs += [Proof(name, path.parent, **table) for name, table in tables.items()]
     for proof in proofs:
         if not proof.mutants:
             raise QuadshadeError(f"formal: {proof.name} has no mutant that it must reject")
@@ -119,9 +120,15 @@ def mutate(text: str, mutant: dict[str, str]) -> str:
     if count != 1:
         raise QuadshadeError(
             f'mutant "{mutant["what"]}": {mutant["file"]} has its line {count} times',
-            "write the mutant in formal/proofs*.toml anew for the RTL as it is",
+            "write the mutant in formal/*/proofs.toml anew for the RTL as it is",
         )
     return text.replace(mutant["from"], mutant["to"])
+
+
+def rtl_file(name: str, root: Path = ROOT) -> Path:
+    """The RTL file of a name, in whichever folder of rtl/ it lies."""
+    (path,) = (root / "rtl").rglob(name)
+    return path
 
 
 def netlists(job: Job, folder: Path) -> list[Path]:
@@ -131,7 +138,7 @@ def netlists(job: Job, folder: Path) -> list[Path]:
         mutant = job.proof.mutants[job.mutant]
         root = folder / "mutant"
         shutil.copytree(ROOT / "rtl", root / "rtl")
-        source = root / "rtl" / mutant["file"]
+        source = rtl_file(mutant["file"], root)
         source.write_text(mutate(source.read_text(), mutant))
     return [write_netlist(job.generics, unit, root=root) for unit in job.proof.units]
 
@@ -177,7 +184,7 @@ def run(command: list[str], folder: Path, environment: dict[str, str]) -> subpro
 def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, str]:
     """Induction of a wrapper's properties; a mutant has to fail within `mutant_depth` cycles of reset."""
     proof = job.proof
-    sources = [*netlists(job, folder), FORMAL / f"{proof.name}.sv", *FORMAL.glob("*.svh")]
+    sources = [*netlists(job, folder), proof.folder / f"{proof.name}.sv", *proof.folder.glob("*.svh")]
     for source in sources:
         shutil.copyfile(source, folder / source.name)
     designs = " ".join(f"{unit}.v" for unit in proof.units)
@@ -214,7 +221,7 @@ def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, s
 
 def run_smt2(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, str]:
     """Every question of an SMT-LIB file to z3: the claim holds where none has an answer."""
-    text = (FORMAL / f"{job.proof.name}.smt2").read_text()
+    text = (job.proof.folder / f"{job.proof.name}.smt2").read_text()
     if job.mutant is not None:
         text = mutate(text, job.proof.mutants[job.mutant])
     (folder / "job.smt2").write_text(text)
@@ -310,7 +317,10 @@ def write_report(proofs: list[Proof], outcomes: list[Outcome]) -> None:
     rows = [row for row in REPORT.read_text().splitlines() if row.startswith("| ") and " | " in row]
     second = rows.index("| proof | mutant | in | rejected at |")
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Proofs", ""]
-    lines += ["Written by `make formal`; [docs/formal.md](../formal.md) says what is proved and how.", ""]
+    lines += [
+        "Written by `make formal`; [docs/explanation/formal.md](../formal.md) says what is proved and how.",
+        "",
+    ]
     heads = [
         ["| proof | units | generics | method | result |", "| --- | --- | --- | --- | --- |"],
         ["| proof | mutant | in | rejected at |", "| --- | --- | --- | --- |"],
@@ -368,7 +378,7 @@ def main(only: tuple[str, ...], jobs: int) -> None:
         proofs = load_proofs()
         unknown = set(only) - {proof.name for proof in proofs}
         if unknown:
-            raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/proofs*.toml")
+            raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/*/proofs.toml")
         outcomes = run_all([proof for proof in proofs if not only or proof.name in only], jobs, show)
         bad = sum(not outcome.good for outcome in outcomes)
         Console().print(summary(outcomes))

@@ -12,10 +12,10 @@ from rich.console import Console
 from rich.table import Table
 
 from quadshade.cli.options import generic_option, parse_generics
+from quadshade.contract.formats import Formats
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import core_of
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.synthesis import find_board, find_device, implement
 from quadshade.synthesis import table as resources
 from quadshade.synthesis.flow import Placed

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from quadshade.adapt import adapt, error_figures, pixel_errors, refine
-from quadshade.adapt.figures import core_clocks, stream_bytes
-from quadshade.adapt.fit import POINTS, bend, fit, shape_functions, split_errors
+from quadshade.adapt.costs import core_clocks, stream_bytes
+from quadshade.adapt.polynomial_fit import POINTS, bend, fit, shape_functions, split_errors
+from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, PointLight, sample
 

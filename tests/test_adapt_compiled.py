@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import adapt_reference as reference
 from quadshade.adapt import cho as adapt_cho
-from quadshade.adapt import compiled, highlight
+from quadshade.adapt import highlight, subdivide_loops
 from quadshade.adapt import subdivide as divided
 from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project
 from quadshade.shading import AmbientLight, DirectionalLight, Material, PointLight
-from teapot import teapot
+from scripts.experiments.cho.teapot import teapot
+from tests.support import adapt_reference as reference
 
 LIGHTS = (
     AmbientLight(),
@@ -134,8 +134,8 @@ def test_corners_at_places(projected: Projected) -> None:
     places = projected.vertices.reshape(-1, 2)[rng.integers(0, 3 * len(projected), 17)]
     places = np.concatenate([places, rng.integers(0, 200, (5, 2))])
     expected = (projected.vertices[:, :, None] == places).all(axis=3).any(axis=(1, 2))
-    assert (compiled.touching(projected.vertices, places) == expected).all()
-    assert not compiled.touching(projected.vertices, np.zeros((0, 2), dtype=np.int64)).any()
+    assert (subdivide_loops.touching(projected.vertices, places) == expected).all()
+    assert not subdivide_loops.touching(projected.vertices, np.zeros((0, 2), dtype=np.int64)).any()
 
 
 CREASED = replace(SCENES[0], normal=np.random.default_rng(3).normal(size=SCENES[0].normal.shape))
@@ -148,8 +148,8 @@ def test_edges_are_judged_alike_by_loops_and_by_arrays(
     projected: Projected, threshold: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Point lights in perspective are the loop's; arrays judge what only they can light."""
-    ids, places = compiled.place_numbers(projected.vertices)
-    edges = divided.Edges(*compiled.edge_numbers(ids, places))
+    ids, places = subdivide_loops.place_numbers(projected.vertices)
+    edges = divided.Edges(*subdivide_loops.edge_numbers(ids, places))
     candidates = np.random.default_rng(9).random(len(projected)) < 0.7
     arguments = (projected, candidates, ids, edges, LIGHTS[:3], SHINY, threshold)
     got = adapt_cho._large_differences(*arguments)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from quadshade.adapt import CosineShader, adapt, error_figures, pixel_errors, refine, stream_bytes
-from quadshade.adapt.figures import state_bytes
-from quadshade.adapt.fit import POINTS, fit_at, shape_functions, weighted_fit
-from quadshade.adapt.places import FEW, pixel_places
+from quadshade.adapt.costs import state_bytes
+from quadshade.adapt.polynomial_fit import POINTS, fit_at, shape_functions, weighted_fit
 from quadshade.adapt.shader import ColourShader
+from quadshade.adapt.small_triangles import FEW, pixel_places
+from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project
 from quadshade.scene.mesh import Mesh
 from quadshade.shading import (
@@ -26,7 +26,7 @@ from quadshade.shading import (
     specular_formats,
 )
 from quadshade.shading.specular import UnsuitedError
-from teapot import teapot
+from scripts.experiments.cho.teapot import teapot
 
 SHINY = Material(exponent=50)
 SPECULAR = "quadratic-specular"

@@ -14,8 +14,8 @@ from quadshade.adapt import (
     regular_subdivision,
     shared_edges,
 )
+from quadshade.contract.formats import Formats
 from quadshade.engine import draw
-from quadshade.formats import Formats
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.scene.project import Projected, doubled_area
 from quadshade.shading import Material, PointLight, sample

@@ -24,13 +24,13 @@ from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapping import CHECKED
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "synth" / "boards"
 BOARDS = [path.stem for path in sorted(FOLDER.glob("*.toml")) if "top" in path.read_text()]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(ROOT / "scripts" / "bitstream.py"), *arguments]
+    command = [sys.executable, "-m", "scripts.bitstream", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

@@ -18,14 +18,14 @@ from click.testing import CliRunner
 
 from quadshade.board import Board, BoardSettings
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.image import read_picture, resolve
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.shading.sample import sample
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 SMALL = BoardSettings(screen_width=48, screen_height=32)
 
 

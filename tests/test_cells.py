@@ -12,7 +12,7 @@ from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.mapped import cell_models
-from yosys_proof import prove_equal
+from tests.support.yosys_proof import prove_equal
 
 UNIT = "load_adder"
 

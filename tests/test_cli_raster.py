@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from quadshade.cli.main import main
-from quadshade.formats import Formats
-from quadshade.triangle_file import read_triangles
-from setup_reference import exact_quadratic, half_plane_pixels
+from quadshade.contract.formats import Formats
+from quadshade.files.triangle_file import read_triangles
+from tests.support.setup_reference import exact_quadratic, half_plane_pixels
 
 CONTENT = {
     "width": 40,

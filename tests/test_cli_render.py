@@ -275,7 +275,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path):
 
 def test_the_python_example_of_the_documentation_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parent.parent / "docs" / "render.md").read_text()
+    page = (Path(__file__).parent.parent / "docs" / "guide" / "render.md").read_text()
     example, cloth = (block.split("```")[0] for block in page.split("```python\n")[1:])
     exec(example, {})  # noqa: S102 - an example of our own
     assert read_picture(tmp_path / "sphere.png").shape == (512, 512, 3)

@@ -18,8 +18,8 @@ from click.testing import CliRunner, Result
 
 from quadshade.cli import compiled_loops, options
 from quadshade.cli.main import main
+from quadshade.contract.formats import GENERIC_HELP, Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import GENERIC_HELP, Formats
 from quadshade.image import read_picture, write_png
 
 TRIANGLE = {"vertices": [[1, 1], [9, 2], [3, 9]], "samples": {"r": [5]}}

@@ -11,9 +11,9 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-import demo
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
+from scripts import demo
 
 QUADRATIC_AT_LEAST = {(168, 5): 48, (168, 50): 34, (690, 50): 50}
 """dB against Phong shading, whole picture of 512 x 512."""

@@ -14,7 +14,7 @@ from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.mapped import write_simulated
 from quadshade.synthesis.mapping import mapping_commands
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 CLOCKS = 1500
 PORTS = """\
 module {name} (input clk, input enable, input write, input [{a}:0] at, input [{a}:0] to, input [{d}:0] d,

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.ghdl import run_tool
 from quadshade.engine.netlist import TOP, check_names, repair_constants, write_netlist
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 needs_ghdl = pytest.mark.skipif(shutil.which("ghdl") is None, reason="needs GHDL: run `make setup`")
 
 WIDE = """\
@@ -98,7 +98,7 @@ def test_core_has_no_string_whatever_its_generics() -> None:
     ],
 )
 def test_script_says_errors_in_one_line(arguments: list[str], message: str) -> None:
-    command = [sys.executable, ROOT / "scripts" / "netlist.py", *arguments]
+    command = [sys.executable, "-m", "scripts.netlist", *arguments]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2 and result.stdout == ""
     assert message in result.stderr
@@ -108,7 +108,7 @@ def test_script_says_errors_in_one_line(arguments: list[str], message: str) -> N
 @needs_ghdl
 def test_script_writes_a_file(tmp_path: Path) -> None:
     output = tmp_path / "made" / "core.v"
-    command = [sys.executable, ROOT / "scripts" / "netlist.py", "--generic", "span_depth=1", "-o", output]
+    command = [sys.executable, "-m", "scripts.netlist", "--generic", "span_depth=1", "-o", output]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
     assert result.stdout == f"{output}\n"
     assert output.read_text() == write_netlist({"span_depth": 1}).read_text()

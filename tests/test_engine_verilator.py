@@ -12,18 +12,18 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import QUADRATIC, Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import default_engine, draw_words
-from quadshade.engine.fold import fold
 from quadshade.engine.netlist import RENDER_TOP, write_netlist
+from quadshade.engine.simplify_netlist import fold
 from quadshade.engine.verilator import build_verilator, draw_verilator, missing_tools, verilator_available
 from quadshade.errors import QuadshadeError
-from quadshade.formats import QUADRATIC, Formats
-from quadshade.golden import render_core
-from quadshade.golden.fast import EmittedPixels
+from quadshade.golden.compiled import EmittedPixels
+from quadshade.golden.shade import render_core
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.triangles import ScreenTriangles
-from shade_stimuli import random_state
+from tests.support.shade_stimuli import random_state
 
 needs_verilator = pytest.mark.skipif(
     not verilator_available(),

@@ -10,15 +10,15 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.setup import divide
+from quadshade.files.triangle_file import write_triangles
+from quadshade.setup import divide_primitives
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.shading.reference import interpolated
-from quadshade.triangle_file import write_triangles
-from quadshade.triangles import Pixels, ScreenTriangles
-from setup_reference import exact_quadratic, half_plane_pixels, screen_triangles
+from tests.support.setup_reference import exact_quadratic, half_plane_pixels, screen_triangles
 
 LOW = Formats(num_channels=1, with_depth=0, frac_bits=12)
 
@@ -235,7 +235,7 @@ def test_division_in_chunks_is_division_at_once(rng, monkeypatch):
     coarse = Formats(num_channels=1, with_depth=0, frac_bits=5)
     triangles = screen_triangles(vertices, coarse, 450, 450, rng.uniform(0, 255, (2, 1, 6)))
     once = setup_triangles(triangles, coarse, limit=MAX_ERROR)
-    monkeypatch.setattr(divide, "CHUNK", 3)
+    monkeypatch.setattr(divide_primitives, "CHUNK", 3)
     parts = setup_triangles(triangles, coarse, limit=MAX_ERROR)
     assert len(parts) == len(once) > 100
     for primitives in (once, parts):

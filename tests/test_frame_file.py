@@ -16,10 +16,14 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import definition_hash
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.link.board_model import BoardModel
-from quadshade.link.frame_file import (
+from quadshade.golden.board import BoardModel
+from quadshade.link.planes import read_picture
+from quadshade.link.session import Session
+from quadshade.link.transport import MemoryTransport
+from quadshade.packing.frame_file import (
     GENERICS,
     MAGIC,
     FrameFile,
@@ -30,10 +34,6 @@ from quadshade.link.frame_file import (
     pack_frame,
     read_frame_file,
 )
-from quadshade.link.picture import read_picture
-from quadshade.link.protocol import definition_hash
-from quadshade.link.session import Session
-from quadshade.link.transport import MemoryTransport
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import pack
 from quadshade.shading import sample

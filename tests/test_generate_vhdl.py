@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``rtl/quadshade_pkg.vhd`` computes in GHDL what ``Formats`` computes in Python, for any generics."""
+"""``quadshade_pkg.vhd`` computes in GHDL what ``Formats`` computes in Python, for any generics."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from quadshade.contract.formats import DERIVED, GENERIC_CHOICES, GENERIC_RANGES, SECTIONS, Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import DERIVED, GENERIC_CHOICES, GENERIC_RANGES, SECTIONS, Formats
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 GHDL = os.environ.get("GHDL", "ghdl")
 GENERICS = tuple(Formats().generics())
 
@@ -59,7 +59,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
     source = folder / "probe.vhd"
     source.write_text(probe())
     for command in (
-        ["-a", "--std=08", ROOT / "rtl" / "quadshade_pkg.vhd", source],
+        ["-a", "--std=08", ROOT / "rtl" / "generated" / "quadshade_pkg.vhd", source],
         ["-e", "--std=08", "probe"],
     ):
         subprocess.run([GHDL, *command], cwd=folder, check=True)

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from golden_stimuli import triangle_words, triangles_of
+from quadshade.contract.formats import Formats
 from quadshade.engine import draw, draw_words
-from quadshade.formats import Formats
+from tests.support.golden_stimuli import triangle_words, triangles_of
 
 SCENES = {
     "default": (Formats(), 180, 96),

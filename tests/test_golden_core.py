@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden_stimuli import malformed_words, triangle_words
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden.fast import draw_fast
-from quadshade.golden.raster_core import draw_scalar
-from quadshade.golden.setup_loader import load_packets
+from quadshade.golden.compiled import draw_fast
+from quadshade.golden.core.raster_core import draw_scalar
+from quadshade.golden.core.setup_loader import load_packets
+from tests.support.golden_stimuli import malformed_words, triangle_words
 
 FORMATS = [
     Formats(),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from quadshade.errors import QuadshadeError
-from quadshade.golden.edge_map import (
+from quadshade.golden.screen.edge_map import (
     DIAGONAL,
     EIGHT,
     diagonal_intensity,
@@ -18,7 +18,7 @@ from quadshade.golden.edge_map import (
     eight_intensity,
     normal_intensity,
 )
-from quadshade.image.edge_map import EDGE_ERROR, edge_intensity
+from tests.support.edge_map_reference import EDGE_ERROR, edge_intensity
 
 
 def random_g_buffer(

@@ -8,12 +8,12 @@ import zlib
 import numpy as np
 import pytest
 
+from quadshade.contract.triangles import Pixels
 from quadshade.errors import QuadshadeError
-from quadshade.golden.depth_test import DepthTest, empty_depths, kept_pixels
-from quadshade.golden.framebuffer import Framebuffer, draw_pixels
-from quadshade.golden.read_out import Area, read_area, read_out
-from quadshade.image.framebuffer import resolve, visible
-from quadshade.triangles import Pixels
+from quadshade.golden.screen.depth_test import DepthTest, empty_depths, kept_pixels
+from quadshade.golden.screen.framebuffer import Framebuffer, draw_pixels
+from quadshade.golden.screen.read_out import Area, read_area, read_out
+from quadshade.image.visible import resolve, visible
 
 WIDTH, HEIGHT, DEPTH_BITS = 9, 5, 4
 

@@ -9,14 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from golden_stimuli import triangle_words, triangles_of
-from quadshade.engine import draw
-from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden import power_table, render_core
-from quadshade.golden.fast import draw_fast
-from quadshade.golden.shade import factors, shade
-from quadshade.setup.shade_state import (
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import (
     colour_state,
     curve_table,
     power_curve,
@@ -24,7 +18,13 @@ from quadshade.setup.shade_state import (
     table_entries,
     table_places,
 )
-from shade_stimuli import random_state, random_values
+from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
+from quadshade.golden.compiled import draw_fast
+from quadshade.golden.shade import power_table, render_core
+from quadshade.golden.shade.shade import factors, shade
+from tests.support.golden_stimuli import triangle_words, triangles_of
+from tests.support.shade_stimuli import random_state, random_values
 
 TINY = Formats(with_shade=1, num_channels=2, value_bits=4, shade_guard_bits=4, word_width=20, frac_bits=8)
 FORMATS = {

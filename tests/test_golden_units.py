@@ -12,16 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden_stimuli import random_fields
-from quadshade.formats import Formats
-from quadshade.golden.edge_dda import EdgeDda, signed
-from quadshade.golden.edge_walker import Scanline, walk_edges
-from quadshade.golden.output_clamp import output_clamp
-from quadshade.golden.pixel_channel import PixelChannel
-from quadshade.golden.scanline_channel import ScanlineChannel
-from quadshade.golden.skid_buffer import SkidBuffer
-from quadshade.golden.span_chain import SpanChain
-from quadshade.golden.span_walker import walk_span
+from quadshade.contract.formats import Formats
+from quadshade.golden.common.skid_buffer import SkidBuffer
+from quadshade.golden.core.edge_dda import EdgeDda, signed
+from quadshade.golden.core.edge_walker import Scanline, walk_edges
+from quadshade.golden.core.output_clamp import output_clamp
+from quadshade.golden.core.pixel_channel import PixelChannel
+from quadshade.golden.core.scanline_channel import ScanlineChannel
+from quadshade.golden.core.span_chain import SpanChain
+from quadshade.golden.core.span_walker import walk_span
+from tests.support.golden_stimuli import random_fields
 
 SMALL = Formats(coord_bits=5, subpixel_bits=3)
 

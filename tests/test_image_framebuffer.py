@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from quadshade.contract.triangles import Pixels
 from quadshade.errors import QuadshadeError
 from quadshade.image import paint, read_picture, resolve, visible, write_png
-from quadshade.triangles import Pixels
 
 
 def random_pixels(rng, depth: bool, count: int = 600, channels: int = 3) -> Pixels:

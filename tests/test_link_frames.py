@@ -10,13 +10,8 @@ from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
 
-import faults
-from quadshade import formats
-from quadshade.errors import QuadshadeError
-from quadshade.link import protocol
-from quadshade.link.faults import FaultInjector
-from quadshade.link.frames import MAX_ENCODED, Frame, FrameParser, enclosed, sealed
-from quadshade.link.protocol import (
+from quadshade.contract import formats, protocol
+from quadshade.contract.protocol import (
     MAX_BODY,
     MAX_PAYLOAD,
     PAYLOADS,
@@ -27,6 +22,10 @@ from quadshade.link.protocol import (
     phase_step,
     unpack_payload,
 )
+from quadshade.errors import QuadshadeError
+from quadshade.link.faults import FaultInjector
+from quadshade.link.frames import MAX_ENCODED, Frame, FrameParser, enclosed, sealed
+from scripts.experiments import link_faults as faults
 
 
 @st.composite

@@ -10,13 +10,13 @@ from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quadshade.golden.cobs_decoder import CobsDecoder, decode_line
-from quadshade.golden.cobs_encoder import encode_line
-from quadshade.golden.crc32 import CRC_RESIDUE, crc_of
-from quadshade.golden.uart_rx import UartRx
-from quadshade.golden.uart_tx import UartTx
+from quadshade.contract.protocol import BREAK_BITS, PHASE_BITS
+from quadshade.golden.common.crc32 import CRC_RESIDUE, crc_of
+from quadshade.golden.link.cobs_decoder import CobsDecoder, decode_line
+from quadshade.golden.link.cobs_encoder import encode_line
+from quadshade.golden.link.uart_rx import UartRx
+from quadshade.golden.link.uart_tx import UartTx
 from quadshade.link.frames import sealed
-from quadshade.link.protocol import BREAK_BITS, PHASE_BITS
 
 BODIES = st.builds(
     lambda pieces: b"".join(pieces)[:1024],

@@ -8,19 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState, channel_gains
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden.fast import draw_fast
-from quadshade.golden.word_unpacker import WordUnpacker
-from quadshade.link.packing import PACK_ERROR, pack_primitives, unpack
+from quadshade.golden.compiled import draw_fast
+from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.packing.pack import PACK_ERROR, pack_primitives, unpack
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import Primitives, pack
-from quadshade.setup.shade_state import ShadeState, channel_gains
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
 from quadshade.shading.specular import sample_specular, specular_formats
-from quadshade.triangles import ScreenTriangles
 
 FORMATS = [
     Formats(),

@@ -15,15 +15,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quadshade.formats import Formats
-from quadshade.link.board_model import BoardModel
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import LinkError, Opcode, Reason
+from quadshade.golden.board import BoardModel
 from quadshade.link.faults import FaultInjector
 from quadshade.link.frames import enclosed, sealed
-from quadshade.link.packing import pack_primitives
-from quadshade.link.picture import read_picture
-from quadshade.link.protocol import LinkError, Opcode, Reason
+from quadshade.link.planes import read_picture
 from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport, SerialTransport, open_transport
+from quadshade.packing.pack import pack_primitives
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample

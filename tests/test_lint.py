@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 GHDL = os.environ.get("GHDL", "ghdl")
 TOPS = {"raster_core": (), "render_core": ("-gwith_shade=1", "-gnum_channels=4", "-gnum_specular=2")}
 MAX_LINES = 400
@@ -52,7 +52,7 @@ def rtl_files() -> list[Path]:
 
 def rtl_entities() -> set[str]:
     """Stems of the RTL's entities: all files but the packages."""
-    return {path.stem for path in (ROOT / "rtl").glob("*.vhd") if not path.stem.endswith("_pkg")}
+    return {path.stem for path in (ROOT / "rtl").rglob("*.vhd") if not path.stem.endswith("_pkg")}
 
 
 def faults(path: Path) -> list[str]:
@@ -114,7 +114,8 @@ def test_hygiene_finds_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.parametrize("stem", sorted(rtl_entities()))
 def test_vhdl_header(stem: str) -> None:
-    text = (ROOT / "rtl" / f"{stem}.vhd").read_text()
+    (path,) = (ROOT / "rtl").rglob(f"{stem}.vhd")
+    text = path.read_text()
     header = re.match(r"(--.*\n)*", text)[0]
     assert len(header.splitlines()) <= MAX_HEADER_LINES
     assert f"Model: {stem}.py." in header
@@ -125,8 +126,8 @@ def test_vhdl_header(stem: str) -> None:
 def test_layout_stems() -> None:
     """An entity, its model, its test and its row in the folder's README carry the same name."""
     entities = rtl_entities()
-    models = {path.stem for path in (ROOT / "model" / "quadshade" / "golden").glob("*.py")}
-    tests = {path.stem.removeprefix("test_") for path in (ROOT / "cocotb_tests").glob("test_*.py")}
+    models = {path.stem for path in (ROOT / "model" / "quadshade" / "golden").rglob("*.py")}
+    tests = {path.stem.removeprefix("test_") for path in (ROOT / "cocotb_tests").rglob("test_*.py")}
     rows = re.findall(r"^\| \[?`(\w+)(?:\.vhd)?`", (ROOT / "rtl" / "README.md").read_text(), re.MULTILINE)
     assert entities - models == set(), "entities without a model in model/quadshade/golden"
     assert entities - tests == set(), "entities without a test in cocotb_tests"
@@ -137,11 +138,11 @@ def test_layout_stems() -> None:
 def test_file_list_is_complete() -> None:
     listed = rtl_files()
     assert len(listed) == len(set(listed))
-    assert set(listed) == set((ROOT / "rtl").glob("*.vhd"))
+    assert set(listed) == set((ROOT / "rtl").rglob("*.vhd"))
 
 
 def test_generated_package_is_current() -> None:
-    result = run(sys.executable, "scripts/generate_vhdl.py", "--check")
+    result = run(sys.executable, "-m", "scripts.generate_vhdl", "--check")
     assert result.returncode == 0, result.stderr
 
 

@@ -15,7 +15,7 @@ from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapped import cell_models
 from quadshade.synthesis.mapping import LEAST_SHARED, LONGEST_COMPARED, LONGEST_SHORT, mapping_commands
-from yosys_proof import prove_equal
+from tests.support.yosys_proof import prove_equal
 
 SUM = "assign q = a + b;"
 ABOVE = "assign q = a > 37;"

@@ -16,7 +16,7 @@ import click
 import pytest
 from packaging.requirements import Requirement
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
@@ -28,7 +28,12 @@ def make_targets() -> set[str]:
 
 def pages() -> list[Path]:
     """The README, those of the folders, and every page of the documentation."""
-    return [*ROOT.glob("*.md"), *ROOT.glob("*/README.md"), *sorted((ROOT / "docs").rglob("*.md"))]
+    folders = [
+        path
+        for name in ("rtl", "cocotb_tests", "formal", "model", "scripts")
+        for path in (ROOT / name).rglob("README.md")
+    ]
+    return [*ROOT.glob("*.md"), *folders, *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def documented_commands(program: str) -> list[list[str]]:
@@ -87,7 +92,7 @@ def test_documented_links_lead_somewhere() -> None:
 
 
 def test_readme_shows_what_was_measured() -> None:
-    command = [sys.executable, ROOT / "scripts" / "readme.py", "--check"]
+    command = [sys.executable, "-m", "scripts.readme", "--check"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
 

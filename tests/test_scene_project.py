@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.scene import Camera, build_mesh, fit_camera, load_scene, parse_camera, project
 from quadshade.scene.clip import clip_triangles
 from quadshade.scene.project import doubled_area

@@ -11,19 +11,19 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
+from quadshade.files.triangle_file import write_triangles
 from quadshade.image import read_picture
 from quadshade.scene import fit_camera, load_scene, project
-from quadshade.setup.terms import SETUPS, fit_terms
+from quadshade.setup.literature.terms import SETUPS, fit_terms
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
 from quadshade.shading.lights import DirectionalLight, PointLight
 from quadshade.shading.material import Material
 from quadshade.shading.sample import middle_normals
-from quadshade.triangle_file import write_triangles
-from setup_reference import exact_quadratic, screen_triangles
+from tests.support.setup_reference import exact_quadratic, screen_triangles
 
 FORMATS = Formats(num_channels=1, with_depth=0)
 FITTED = ("abbas", "general")

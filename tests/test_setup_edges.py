@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
 from quadshade.setup.edges import cut_triangles
 from quadshade.setup.triangle_setup import setup_triangles
-from setup_reference import half_plane_pixels, screen_triangles, walk
+from tests.support.setup_reference import half_plane_pixels, screen_triangles, walk
 
 FORMATS = (
     Formats(),

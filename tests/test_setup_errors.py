@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.triangles import ScreenTriangles
-from setup_reference import screen_triangles, walk
+from tests.support.setup_reference import screen_triangles, walk
 
 FORMATS = Formats(coord_bits=6)
 BIG = [[0, 0], [40 * 256, 0], [0, 40 * 256]]

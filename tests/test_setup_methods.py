@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from quadshade.errors import QuadshadeError
-from quadshade.setup.methods import FITS, METHODS, coefficients, edge_factors, fit
+from quadshade.setup.literature.methods import FITS, METHODS, coefficients, edge_factors, fit
 
 EDGES = ((0, 1), (0, 2), (1, 2))
 LIGHT = np.array([0.36, 0.48, 0.80])

@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
 from quadshade.setup.packet import pack, packet_lanes
 from quadshade.setup.triangle_setup import setup_triangles
-from setup_reference import screen_triangles
+from tests.support.setup_reference import screen_triangles
 
 CONFIGS = (
     {},

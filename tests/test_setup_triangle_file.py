@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quadshade import triangle_file
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.triangle_file import open_triangles, read_triangles, write_triangles
+from quadshade.files import triangle_file
+from quadshade.files.triangle_file import open_triangles, read_triangles, write_triangles
 
 
 def content() -> dict:

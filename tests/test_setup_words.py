@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.setup import triangle_setup
+from quadshade.setup.colour_words import Colours, colour_exactly
 from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives
 from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_planes, region, round_words
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.setup.words import Colours, colour_exactly
-from quadshade.triangles import ScreenTriangles
-from setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
+from tests.support.setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
 
 FORMATS = (
     Formats(num_channels=1),

@@ -11,10 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import shade_state
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.setup.shade_state import shade_state
-from quadshade.triangle_file import open_triangles, read_triangles, write_triangles
+from quadshade.files.triangle_file import open_triangles, read_triangles, write_triangles
 
 
 def content(**shade) -> dict:

@@ -6,15 +6,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.image import paint, visible
 from quadshade.image.compare import psnr
 from quadshade.scene import build_mesh, fit_camera, load_scene, parse_camera, project
 from quadshade.shading import DEFAULT_LIGHTS, AmbientLight, DirectionalLight, Material, PointLight, sample
 from quadshade.shading.reference import barycentric, interpolated, phong
-from quadshade.triangles import ScreenTriangles
 
 FORMATS = Formats()
 

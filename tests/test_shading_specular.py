@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import QUADRATIC
 from quadshade.engine import draw
 from quadshade.engine.verilator import verilator_available
-from quadshade.formats import QUADRATIC
 from quadshade.image import paint, visible
 from quadshade.image.compare import psnr
 from quadshade.scene import build_mesh, load_scene, parse_camera, project

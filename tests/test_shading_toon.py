@@ -10,10 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.shade_state import table_entries, table_places
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.scene import load_scene, parse_camera, project
-from quadshade.setup.shade_state import table_entries, table_places
 from quadshade.shading import (
     DirectionalLight,
     Material,

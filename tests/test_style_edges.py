@@ -9,13 +9,20 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-import edges as report
 from quadshade.cli.main import main
 from quadshade.image import read_picture
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.scene.mesh import build_mesh
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges
-from quadshade.style.classify import BORDER, CREASE, KINDS, SILHOUETTE, classify_edges, visible_edges
+from scripts.experiments.edges import report
+from scripts.experiments.edges.classify import (
+    BORDER,
+    CREASE,
+    KINDS,
+    SILHOUETTE,
+    classify_edges,
+    visible_edges,
+)
 
 VIEW = np.array([1.0, 0.8, 1.0])
 

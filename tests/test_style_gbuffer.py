@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
 from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.style import draw_gbuffer, sample_normals
 from quadshade.style.gbuffer import FAR_SHARE

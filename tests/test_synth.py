@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.synthesis import DEVICES, find_board, find_device, module_ports, table, write_harness
 from quadshade.synthesis.flow import Implementation, Placed, find_tool, once, run_nextpnr, run_yosys
 from quadshade.synthesis.mapping import CHECKED
-from quadshade.synthesis.reports import (
+from quadshade.synthesis.tool_reports import (
     Area,
     CriticalPath,
     area_from_stat,
@@ -29,7 +29,7 @@ from quadshade.synthesis.reports import (
     signal_names,
 )
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 SMALL = {
     "num_channels": 1,
     "max_order": 1,
@@ -52,7 +52,7 @@ endmodule
 
 def script(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "scripts/synth.py", *arguments],
+        [sys.executable, "-m", "scripts.synth", *arguments],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 from PIL import Image
 
 from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
 from quadshade.engine.ghdl import repository_root
-from quadshade.formats import Formats
 from quadshade.image import compare, read_picture
 from quadshade.trade import COSTS, Grid, Point, View, area, mark_pareto, pareto_front, sweep
 from quadshade.trade.measure import HEAT_FULL, MEASURED, heat_map, measure
@@ -239,7 +239,7 @@ def test_cells_stand_in_the_records(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         cells = 100 * formats.max_order + formats.word_width
         return {"lut4": cells, "ff": 1, "bram": 0, "dsp": 0, "carry": 0, "carry_luts": 0}
 
-    monkeypatch.setattr("quadshade.trade.run.count_cells", count)
+    monkeypatch.setattr("quadshade.trade.sweep.count_cells", count)
     result = sweep(
         View("sphere:168", 32, 32),
         Grid((8, 22), ("flat", "gouraud", "quadratic"), ("none",)),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// rtl/load_adder.vhd in ECP5's carry cells, one level of logic from register to register. A cell's half is a
+// load_adder.vhd in ECP5's carry cells, one level of logic from register to register. A cell's half is a
 // LUT4 of A, B, C, D, which the incoming carry inverts; where the LUT is 0, the outgoing carry is the LUT's
 // answer for C = D = 0. With A = load, B = value, C = step, D = start and
 //   LUT4 = A ? D : B ^ C

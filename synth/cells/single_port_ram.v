@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// rtl/single_port_ram.vhd in iCE40UP5K's SPRAM, up to four of 16384 words of 16 bits: two words of eight bits
+// single_port_ram.vhd in iCE40UP5K's SPRAM, up to four of 16384 words of 16 bits: two words of eight bits
 // side by side, the lower one at the even address. Synthesis puts it in the place of GHDL's module.
 
 module single_port_ram #(

@@ -5,7 +5,7 @@ from quadshade.adapt.centre_test import centre_error, centre_subdivision
 from quadshade.adapt.cho import Subdivided, highlight_subdivision, regular_subdivision
 from quadshade.adapt.choose import Goal, choose_orders
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
-from quadshade.adapt.figures import ErrorFigures, error_figures, pixel_errors, stream_bytes
+from quadshade.adapt.costs import ErrorFigures, error_figures, pixel_errors, stream_bytes
 from quadshade.adapt.highlight import (
     highlight_centres,
     highlight_possible,

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from quadshade.adapt.subdivide import refine
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected, doubled_area
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from quadshade.adapt import compiled
+from quadshade.adapt import subdivide_loops
 from quadshade.adapt.highlight import highlight_centres, potentially_highlighted, with_neighbours
 from quadshade.adapt.subdivide import (
     Edges,
@@ -19,13 +19,13 @@ from quadshade.adapt.subdivide import (
     shared_edges,
     split_edges,
 )
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.scene.project import Projected, doubled_area
+from quadshade.shading.light_loops import compiled_surface, light_point
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
 from quadshade.shading.sample import reflected
-from quadshade.shading.software import compiled_surface, light_point
 
 MAX_DEPTH = 6
 """Passes of highlight subdivision."""
@@ -165,11 +165,11 @@ def highlight_subdivision(
     fresh = np.ones(len(root), dtype=bool)
     for step in range(MAX_DEPTH):
         # Triangles with a vertex on a centre; in the first pass the highlight's neighbours too.
-        candidates = compiled.touching(projected.vertices, centres)
+        candidates = subdivide_loops.touching(projected.vertices, centres)
         # Later on, edges of what was not divided just now have been tested.
         candidates = candidates & fresh if step else candidates | near[root]
-        ids, places = compiled.place_numbers(projected.vertices)
-        edges = Edges(*compiled.edge_numbers(ids, places))
+        ids, places = subdivide_loops.place_numbers(projected.vertices)
+        edges = Edges(*subdivide_loops.edge_numbers(ids, places))
         marks = _large_differences(projected, candidates, ids, edges, lights, material, threshold)
         if not marks.any():
             break

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.adapt.fit import EQUALISING, Fit, better_fit, equalised, weighted_fit
+from quadshade.adapt.polynomial_fit import EQUALISING, Fit, better_fit, equalised, weighted_fit
 
 DARK = 0.02
 """Weight of a point in the dark, where a diffuse cosine only has to be negative."""

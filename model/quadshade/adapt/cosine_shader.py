@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Diffuse and specular cosines while orders are chosen: the power is taken at the pixel (docs/shade.md)."""
+"""Diffuse and specular cosines while orders are chosen: the power is taken at the pixel."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
-from quadshade.adapt.fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
-from quadshade.adapt.places import Places
+from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
 from quadshade.adapt.shader import MARGIN, PLANES, Choice, Shader
-from quadshade.formats import Formats
+from quadshade.adapt.small_triangles import Places
+from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
@@ -24,7 +24,7 @@ MOST_OPTIONS = 81
 LEVELS = 11
 """Errors, each half of the one before, down to which channels are treated alike."""
 TABLE_ERROR = 0.04
-"""Of the output for a light of 1: the power table's and the lane's rounding (docs/shade.md)."""
+"""Of the output for a light of 1: the power table's and the lane's rounding (docs/explanation/shade.md)."""
 
 
 class CosineShader(Shader):

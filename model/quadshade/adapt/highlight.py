@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.adapt import compiled, highlight_loops
+from quadshade.adapt import highlight_loops, subdivide_loops
 from quadshade.adapt.subdivide import point_indices
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import AmbientLight, DirectionalLight, Light
@@ -126,7 +126,7 @@ def with_neighbours(vertices: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     -------
     (n,) bool
     """
-    return compiled.with_neighbours(point_indices(vertices), chosen)
+    return subdivide_loops.with_neighbours(point_indices(vertices), chosen)
 
 
 def highlight_centres(

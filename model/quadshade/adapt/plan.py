@@ -11,16 +11,16 @@ import numpy as np
 
 from quadshade.adapt.choose import MEASURES, OUTPUT_ROUNDING, Decision, Goal, divide, settle
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
-from quadshade.adapt.figures import core_clocks, error_figures, pixel_errors, state_bytes, stream_bytes
+from quadshade.adapt.costs import core_clocks, error_figures, pixel_errors, state_bytes, stream_bytes
 from quadshade.adapt.shader import ColourShader, Shader, Surface
+from quadshade.contract.formats import ORDER_NAMES, Formats
+from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import ORDER_NAMES, Formats
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
 from quadshade.shading.specular import specular_formats
-from quadshade.triangles import Pixels, ScreenTriangles
 
 UNITS = ("bytes", "clocks")
 SHADERS = {kind.shading: kind for kind in (ColourShader, CosineShader, LightShader)}

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.adapt.fit import ORDERS, POINTS, fit, fit_at, split_errors
-from quadshade.adapt.places import Places, pixel_places
+from quadshade.adapt.polynomial_fit import ORDERS, POINTS, fit, fit_at, split_errors
+from quadshade.adapt.small_triangles import Places, pixel_places
+from quadshade.contract.formats import CONSTANT, LINEAR, PLANES_OF_ORDER, Formats
+from quadshade.contract.shade_state import ShadeState
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, PLANES_OF_ORDER, Formats
 from quadshade.scene.project import Projected
-from quadshade.setup.shade_state import ShadeState
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.sample import CHANNELS, CHUNK, full_scale, reflected
-from quadshade.triangles import ScreenTriangles
 
 MARGIN = 1.08
 """The largest difference anywhere on a triangle, over that at the grid's points: measured, not a bound."""

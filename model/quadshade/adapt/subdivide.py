@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.adapt import compiled
+from quadshade.adapt import subdivide_loops
 from quadshade.scene.project import Projected
 
 CORNERS = np.array([[0, 1], [1, 2], [2, 0]])
@@ -76,7 +76,7 @@ class Edges:
 
 def point_indices(vertices: np.ndarray) -> np.ndarray:
     """(n, 3) int64: a number for each place on the screen that (n, 3, 2) sub-pixel vertices take."""
-    return compiled.place_numbers(np.asarray(vertices, dtype=np.int64))[0]
+    return subdivide_loops.place_numbers(np.asarray(vertices, dtype=np.int64))[0]
 
 
 def shared_edges(vertices: np.ndarray) -> Edges:
@@ -92,7 +92,9 @@ def shared_edges(vertices: np.ndarray) -> Edges:
     -------
     Edges
     """
-    return Edges(*compiled.edge_numbers(*compiled.place_numbers(np.asarray(vertices, dtype=np.int64))))
+    return Edges(
+        *subdivide_loops.edge_numbers(*subdivide_loops.place_numbers(np.asarray(vertices, dtype=np.int64)))
+    )
 
 
 def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, vertices: np.ndarray) -> Projected:
@@ -119,7 +121,7 @@ def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, verti
     kinds = [projected.position, projected.normal]
     if projected.colour is not None:
         kinds.append(projected.colour)
-    weight, depth, carried = compiled.interpolated(
+    weight, depth, carried = subdivide_loops.interpolated(
         parent, corners, projected.weight, projected.depth, np.stack(kinds).astype(np.float64, copy=False)
     )
     return replace(
@@ -160,10 +162,10 @@ def split_edges(
     """
     marks = marks.copy()
     share = np.empty(0) if share is None else share
-    middle = compiled.new_vertices(edges.ends, share, marks)
+    middle = subdivide_loops.new_vertices(edges.ends, share, marks)
     vertices = np.asarray(projected.vertices, dtype=np.int64)
-    compiled.sound_marks(vertices, edges.index, marks, middle, CHILDREN, COUNTS)
-    parent, barycentric, vertices = compiled.parts(
+    subdivide_loops.sound_marks(vertices, edges.index, marks, middle, CHILDREN, COUNTS)
+    parent, barycentric, vertices = subdivide_loops.parts(
         vertices, edges.index, edges.reversed, marks, middle, share, CHILDREN, COUNTS
     )
     return divided(projected, parent, barycentric, vertices), parent
@@ -214,7 +216,7 @@ def insert_vertices(
     points = screen_points(vertices[triangle], barycentric)
     chosen = np.full(len(vertices), -1)
     chosen[triangle] = np.arange(len(triangle))
-    parent, corners, vertices = compiled.parts_around(vertices, chosen, barycentric, points)
+    parent, corners, vertices = subdivide_loops.parts_around(vertices, chosen, barycentric, points)
     return divided(projected, parent, corners, vertices), parent
 
 

@@ -12,24 +12,24 @@ from typing import Any, Self
 
 import numpy as np
 
-from quadshade.board.fit import fit_channels, grey, host_formats, painters_order
+from quadshade.board.fallbacks import fit_channels, grey, host_formats, painters_order
 from quadshade.board.ports import RECONNECT_SECONDS, Port
-from quadshade.board.reading import BoardReader
+from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
 from quadshade.board.simulated import SimulatedBoard
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import FEATURES, BoardResetError, LinkError
+from quadshade.contract.shade_state import ShadeState
+from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine.draw import draw as draw_model
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.golden.board import DrawnScreen
-from quadshade.image.framebuffer import visible
-from quadshade.link.frame_file import FrameFile
-from quadshade.link.packing import PACK_ERROR, pack_primitives
-from quadshade.link.protocol import FEATURES, BoardResetError, LinkError
+from quadshade.image.visible import visible
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
-from quadshade.setup.shade_state import ShadeState
+from quadshade.packing.frame_file import FrameFile
+from quadshade.packing.pack import PACK_ERROR, pack_primitives
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
-from quadshade.triangles import Pixels, ScreenTriangles
 
 REDRAWS = 5
 """How often a picture is begun anew because the board was reset."""
@@ -252,7 +252,7 @@ class Board(BoardReader):
           Made with :attr:`host_formats`. What the board does not have is replaced: colour by luminance, depth
           by painter's order; with a notice.
         pack_error : float
-          As for :func:`quadshade.link.packing.pack_primitives`.
+          As for :func:`quadshade.packing.pack.pack_primitives`.
         limit, **setup
           As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
 
@@ -277,7 +277,7 @@ class Board(BoardReader):
 
     def send(self, words: np.ndarray, triangles: int = 0) -> None:
         """
-        Draw packed words: whole packets, as :func:`quadshade.link.packing.pack_primitives` makes them.
+        Draw packed words: whole packets, as :func:`quadshade.packing.pack.pack_primitives` makes them.
 
         Parameters
         ----------
@@ -324,7 +324,7 @@ class Board(BoardReader):
         Parameters
         ----------
         frame : FrameFile
-          From :func:`quadshade.link.frame_file.read_frame_file`.
+          From :func:`quadshade.packing.frame_file.read_frame_file`.
         verify : bool
           The board's CRCs must be those of the file.
 

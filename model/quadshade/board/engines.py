@@ -9,12 +9,12 @@ import subprocess
 import tempfile
 from collections import deque
 
+from quadshade.board.programs import ghdl_board, verilator_board
 from quadshade.board.settings import BoardSettings
-from quadshade.engine.board import ghdl_board, verilator_board
+from quadshade.contract.protocol import PHASE_BITS
 from quadshade.engine.draw import default_engine
 from quadshade.errors import QuadshadeError
-from quadshade.link.board_model import BoardModel
-from quadshade.link.protocol import PHASE_BITS
+from quadshade.golden.board import BoardModel
 
 BOARD_ENGINES = ("verilator", "ghdl", "model")
 ANSWER_SECONDS = {"verilator": 4.0, "ghdl": 60.0, "model": 2.0}

@@ -10,14 +10,14 @@ from typing import Any
 
 from serial.tools import list_ports
 
+from quadshade.board.endpoints import PtyLine
 from quadshade.board.engines import ANSWER_SECONDS as SIMULATED_SECONDS
 from quadshade.board.engines import board_engine, start_engine
-from quadshade.board.lines import PtyLine
 from quadshade.board.settings import BoardSettings
 from quadshade.board.simulated import SimulatedBoard
+from quadshade.contract.protocol import LinkError
 from quadshade.errors import QuadshadeError
 from quadshade.link.exchange import ANSWER_SECONDS, Exchange
-from quadshade.link.protocol import LinkError
 from quadshade.link.session import Session
 from quadshade.link.transport import DEFAULT_BAUD, SerialTransport, baud_of, open_transport
 

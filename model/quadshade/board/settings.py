@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 
 LEAST_CLOCKS = 4
 """Fewest clocks of a bit on the line."""

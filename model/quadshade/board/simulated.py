@@ -9,8 +9,8 @@ import threading
 from types import TracebackType
 from typing import Self
 
+from quadshade.board.endpoints import Line
 from quadshade.board.engines import Engine
-from quadshade.board.lines import Line
 from quadshade.errors import QuadshadeError
 
 JOIN_SECONDS = 10.0

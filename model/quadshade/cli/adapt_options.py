@@ -16,10 +16,10 @@ from quadshade.shading.specular import UnsuitedError, specular_formats
 
 if TYPE_CHECKING:
     from quadshade.adapt import Adapted
-    from quadshade.formats import Formats
+    from quadshade.contract.formats import Formats
+    from quadshade.contract.triangles import Drawing
     from quadshade.scene import Projected
     from quadshade.shading import Light, Material
-    from quadshade.triangles import Drawing
 
 MEASURES = ("max", "rms")
 ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
@@ -57,7 +57,7 @@ def adapt_options(command: Callable) -> Callable:
             metavar="GREY",
             help="Adaptive: the cheapest order of each channel and triangle, or division, for this error "
             "against Phong shading, in grey levels; of colours, cosines or parts of the light, whichever "
-            "takes least, unless --shading says (docs/adapt.md).",
+            "takes least, unless --shading says (docs/guide/adapt.md).",
         ),
         click.option(
             "--budget",

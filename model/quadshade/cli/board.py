@@ -61,8 +61,8 @@ def board(
     quadshade board --tcp 7777 --engine model --screen 320x240
     quadshade board --pty ./board.tty --board icebreaker
     """
+    from quadshade.board.endpoints import PtyLine, TcpLine, tcp_address
     from quadshade.board.engines import board_engine, start_engine
-    from quadshade.board.lines import PtyLine, TcpLine, tcp_address
     from quadshade.board.simulated import SimulatedBoard
 
     if pty is not None and tcp is not None:

@@ -16,11 +16,11 @@ from quadshade.cli.port_options import PortChoice, is_given, opened
 from quadshade.cli.scene_options import PHONG, SceneChoice, progress, shade_scene, show_scene
 from quadshade.cli.style_on_board import can_draw_gbuffer, style_on_board
 from quadshade.cli.style_options import StyleChoice, styled_scene
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
+from quadshade.files.triangle_file import open_triangles
 from quadshade.image import write_png
 from quadshade.shading.specular import SPECULAR_ORDERS
-from quadshade.triangle_file import open_triangles
 
 
 def _check(port: PortChoice, generics: tuple[str, ...], waves: Path | None) -> None:

@@ -18,8 +18,8 @@ from quadshade.cli.options import PATH
 def dump(path: Path, packets: int | None) -> None:
     """Show what a packed picture holds: header, shading state, and every packet with its fields and bits."""
     with leave_at_once():
-        from quadshade.link.dump import packet_lines, summary_lines
-        from quadshade.link.frame_file import read_frame_file
+        from quadshade.packing.frame_dump import packet_lines, summary_lines
+        from quadshade.packing.frame_file import read_frame_file
 
     frame = read_frame_file(path)
     for line in summary_lines(frame, str(path)):

@@ -6,8 +6,8 @@ from __future__ import annotations
 import click
 
 from quadshade.cli.port_options import PortChoice, port_options, say_trace
-from quadshade.formats import GENERIC_HELP
-from quadshade.link.protocol import BOARD_FIELDS, COUNTERS, FEATURES, PHASE_BITS
+from quadshade.contract.formats import GENERIC_HELP
+from quadshade.contract.protocol import BOARD_FIELDS, COUNTERS, FEATURES, PHASE_BITS
 
 
 @click.command()

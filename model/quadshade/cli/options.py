@@ -12,9 +12,9 @@ from pathlib import Path
 
 import click
 
+from quadshade.contract.formats import GENERIC_HELP, Formats
 from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
-from quadshade.formats import GENERIC_HELP, Formats
 
 PATH = click.Path(dir_okay=False, path_type=Path)
 
@@ -45,7 +45,7 @@ waves_option = click.option(
 
 def parse_generics(values: Iterable[str]) -> dict[str, int]:
     """
-    Values of ``--generic`` as a dictionary for :meth:`quadshade.formats.Formats.with_generics`.
+    Values of ``--generic`` as a dictionary for :meth:`quadshade.contract.formats.Formats.with_generics`.
 
     Parameters
     ----------

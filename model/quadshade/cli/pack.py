@@ -45,7 +45,7 @@ pack_error_option = click.option(
     default="0.03125",
     show_default=True,
     help="Grey levels that words with fewer fraction bits may add to a pixel's error; 0 leaves every word "
-    "and every edge as it is (docs/packing.md).",
+    "and every edge as it is (docs/reference/packing.md).",
 )
 
 
@@ -63,7 +63,7 @@ def pack(output: Path, choice: SceneChoice, pack_error: float) -> None:
     quadshade dump frame.qs
     """
     with leave_at_once():
-        from quadshade.link.frame_file import encode_frame_file, pack_frame
+        from quadshade.packing.frame_file import encode_frame_file, pack_frame
 
     formats = choice.checked()
     if choice.shading == PHONG:

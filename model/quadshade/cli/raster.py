@@ -22,10 +22,10 @@ from quadshade.cli.options import (
 )
 from quadshade.cli.port_options import PortChoice, on_board, port_options
 from quadshade.cli.setup_options import SAMPLED, setup_options, undefined_note
+from quadshade.contract.triangles import Pixels
 from quadshade.engine import default_engine, draw
 from quadshade.errors import QuadshadeError
-from quadshade.triangle_file import open_triangles
-from quadshade.triangles import Pixels
+from quadshade.files.triangle_file import open_triangles
 
 
 def write_pixels(path: Path, pixels: Pixels) -> None:

@@ -38,8 +38,8 @@ from quadshade.cli.style_options import StyleChoice, draw_style, style_options, 
 from quadshade.errors import QuadshadeError
 
 if TYPE_CHECKING:
-    from quadshade.formats import Formats
-    from quadshade.triangles import Drawing, ScreenTriangles
+    from quadshade.contract.formats import Formats
+    from quadshade.contract.triangles import Drawing, ScreenTriangles
 
 
 @click.command(epilog=GENERICS_EPILOG)

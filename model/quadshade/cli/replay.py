@@ -27,7 +27,7 @@ def replay(frame_path: Path, output: Path | None, engine: str | None, port_choic
     """
     from quadshade.board.settings import BoardSettings
     from quadshade.image import write_png
-    from quadshade.link.frame_file import read_frame_file
+    from quadshade.packing.frame_file import read_frame_file
 
     if output is not None and output.suffix.lower() != ".png":
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")

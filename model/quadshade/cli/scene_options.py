@@ -17,16 +17,16 @@ from quadshade.cli.adapt_options import adapt_options, adapted_to, check_adaptiv
 from quadshade.cli.options import generic_option, parse_generics
 from quadshade.cli.port_options import is_given
 from quadshade.cli.setup_options import SETUPS, check_method, setup_options
+from quadshade.contract.formats import CONSTANT, Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, Formats
 from quadshade.shading.sample import SHADING_ORDERS, widened
 from quadshade.shading.specular import SPECULAR_ORDERS, UnsuitedError, sample_specular, specular_formats
 
 if TYPE_CHECKING:
     from quadshade.adapt import Adapted
+    from quadshade.contract.triangles import ScreenTriangles
     from quadshade.scene import Projected
     from quadshade.shading import Light, Material
-    from quadshade.triangles import ScreenTriangles
 
 PHONG = "phong"
 SHADINGS = (*SHADING_ORDERS, *SPECULAR_ORDERS, PHONG)

@@ -12,7 +12,7 @@ import click
 
 from quadshade.cli.port_options import is_given
 from quadshade.errors import QuadshadeError
-from quadshade.setup.terms import SETUPS
+from quadshade.setup.literature.terms import SETUPS
 from quadshade.setup.triangle_setup import MAX_ERROR, ROUNDINGS
 
 STEPPINGS = ("centre", "fractional")
@@ -57,7 +57,7 @@ def setup_options(methods: tuple[str, ...]) -> Callable:
             type=click.Choice(methods),
             default="unit",
             show_default=True,
-            help="Where quadratic channels' coefficients come from (docs/setup.md).",
+            help="Where quadratic channels' coefficients come from (docs/explanation/setup.md).",
         ),
         click.option(
             "--rounding",

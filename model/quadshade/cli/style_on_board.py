@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from quadshade.cli.style_options import StyleChoice
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 
 if TYPE_CHECKING:
     from quadshade.board import Board
@@ -69,7 +69,7 @@ def style_on_board(
 
 def _edges(choice: StyleChoice, scene: ShownScene, board: Board, verify: bool, pack_error: float) -> EdgeMaps:
     """The edge map: the board's, that of the board's G-buffer, or the host's own."""
-    from quadshade.golden.edge_map import edge_map
+    from quadshade.golden.screen.edge_map import edge_map
     from quadshade.style import EdgeMaps, draw_gbuffer, find_edges, sample_normals
     from quadshade.style.edges import VARIANTS
     from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth

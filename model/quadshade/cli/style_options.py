@@ -13,8 +13,8 @@ import click
 import numpy as np
 
 from quadshade.cli.options import PATH, parse_generics, write_atomically
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.shading.specular import SPECULAR_ORDERS
 from quadshade.style.illustrate import TOON_STEPS
 

@@ -14,9 +14,9 @@ from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import GENERICS_EPILOG, generic_option, parse_generics
 from quadshade.cli.render import render
 from quadshade.cli.scene_options import parse_size
+from quadshade.contract.formats import Formats
 from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 
 if TYPE_CHECKING:
     from quadshade.trade import Sweep
@@ -111,7 +111,7 @@ def trade(
     """
     with leave_at_once():
         from quadshade.trade import Grid, View, sweep
-        from quadshade.trade.point import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
+        from quadshade.trade.grid import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
 
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:

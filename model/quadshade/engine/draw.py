@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState
+from quadshade.contract.triangles import Drawing, Pixels, ScreenTriangles
 from quadshade.engine.ghdl import draw_ghdl
 from quadshade.engine.verilator import draw_verilator, verilator_available
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden import render_core
-from quadshade.golden.fast import EmittedPixels
+from quadshade.golden.compiled import EmittedPixels
+from quadshade.golden.shade import render_core
 from quadshade.setup.packet import pack
-from quadshade.setup.shade_state import ShadeState
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
-from quadshade.triangles import Drawing, Pixels, ScreenTriangles
 
 ENGINES = ("model", "ghdl", "verilator")
 

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden.fast import EmittedPixels
-from quadshade.setup.shade_state import ShadeState
+from quadshade.golden.compiled import EmittedPixels
 
 TESTBENCH = "render_core_tb"
 

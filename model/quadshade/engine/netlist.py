@@ -17,9 +17,9 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.ghdl import repository_root, rtl_files, run_tool
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 
 TOP = "raster_core"
 RENDER_TOP = "render_core"

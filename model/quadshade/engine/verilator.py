@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from quadshade.engine.fold import fold
+from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState
 from quadshade.engine.ghdl import repository_root, run_tool
 from quadshade.engine.netlist import RENDER_TOP, write_netlist
+from quadshade.engine.simplify_netlist import fold
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
-from quadshade.golden.fast import EmittedPixels
-from quadshade.setup.shade_state import ShadeState
+from quadshade.golden.compiled import EmittedPixels
 
 MACROS = ("stream_width", "emitted_channels", "value_bits")
 """What the C++ harness takes as macros, in capitals; other widths it has from the ports' types."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from quadshade.formats import Formats
-from quadshade.golden.command_decoder import CommandDecoder
-from quadshade.golden.render_core import draw
-from quadshade.golden.screen import Screen
-from quadshade.golden.word_unpacker import WordUnpacker
-from quadshade.link.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
-from quadshade.setup.shade_state import ShadeState, colour_state
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
+from quadshade.contract.shade_state import ShadeState, colour_state
+from quadshade.golden.link.command_decoder import CommandDecoder
+from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.golden.screen.screen import Screen
+from quadshade.golden.shade.render_core import draw
 
 
 class DrawnScreen(Screen):

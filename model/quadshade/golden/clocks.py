@@ -11,10 +11,10 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
 
 WALK_STAGES = 7
-"""Generic ``walk_stages`` of ``rtl/edge_walker.vhd``."""
+"""Generic ``walk_stages`` of ``rtl/core/edge_walker.vhd``."""
 
 EMPTY = -1
 """A stage that holds nothing."""

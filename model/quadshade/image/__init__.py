@@ -2,8 +2,8 @@
 """Framebuffer, PNG files and picture comparison."""
 
 from quadshade.image.compare import Comparison, compare, write_heatmap
-from quadshade.image.framebuffer import paint, resolve, visible
 from quadshade.image.png import read_picture, write_png
+from quadshade.image.visible import paint, resolve, visible
 
 __all__ = [
     "Comparison",

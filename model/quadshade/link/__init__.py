@@ -2,9 +2,8 @@
 """
 The serial link between host and board.
 
-``protocol`` is what is on the wire and ``frames`` its codec; ``transport`` is the line, ``session`` what
-keeps order on it, ``picture`` the way back; ``board_model`` is a board in this process, ``faults`` a bad
-line.
-``docs/protocol.md`` is the description, ``docs/link.md`` the use; ``rtl/link_pkg.vhd`` is written from
-``protocol``.
+``frames`` is the codec of what is on the wire (``quadshade.contract.protocol``); ``transport`` is the line,
+``session`` what keeps order on it, ``planes`` the way back, ``faults`` a bad line.
+``docs/reference/protocol.md`` is the description, ``docs/reference/link.md`` the use;
+``rtl/generated/link_pkg.vhd`` is written from ``protocol``.
 """

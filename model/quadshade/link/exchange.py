@@ -7,8 +7,7 @@ import secrets
 from collections import Counter, deque
 from collections.abc import Callable
 
-from quadshade.link.frames import Frame, FrameParser
-from quadshade.link.protocol import (
+from quadshade.contract.protocol import (
     ANSWER_BIT,
     MAGIC,
     SEQUENCES,
@@ -21,6 +20,7 @@ from quadshade.link.protocol import (
     pack_payload,
     unpack_payload,
 )
+from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.transport import Transport
 
 ANSWER_SECONDS = 0.5

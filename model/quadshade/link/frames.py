@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from cobs import cobs
 
-from quadshade.link.protocol import (
+from quadshade.contract.protocol import (
     CRC_BYTES,
     HEADER_BYTES,
     MAX_BODY,

@@ -9,9 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.link.exchange import ANSWER_SECONDS, RETRIES, Exchange
-from quadshade.link.frames import Frame
-from quadshade.link.protocol import (
+from quadshade.contract.protocol import (
     HEADER_BYTES,
     MAX_PAYLOAD,
     PHASE_BITS,
@@ -26,6 +24,8 @@ from quadshade.link.protocol import (
     phase_step,
     unpack_payload,
 )
+from quadshade.link.exchange import ANSWER_SECONDS, RETRIES, Exchange
+from quadshade.link.frames import Frame
 from quadshade.link.transport import Transport
 
 MAX_WORDS = MAX_PAYLOAD // WORD_BYTES

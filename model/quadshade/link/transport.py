@@ -16,8 +16,8 @@ from urllib.parse import urlsplit
 
 import serial
 
+from quadshade.contract.protocol import LineGoneError, LinkError
 from quadshade.link.faults import FaultInjector
-from quadshade.link.protocol import LineGoneError, LinkError
 
 DEFAULT_BAUD = 1_000_000
 READ_BYTES = 65536

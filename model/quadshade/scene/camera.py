@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from quadshade.errors import QuadshadeError
+from quadshade.scene.key_values import LARGEST, parse_settings
 from quadshade.scene.mesh import Mesh
-from quadshade.scene.settings import LARGEST, parse_settings
 
 DEFAULT_FOV = 20.0
 """Degrees, the smaller of the picture's two angles."""

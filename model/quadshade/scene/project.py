@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.scene.camera import Camera
 from quadshade.scene.clip import clip_triangles
 from quadshade.scene.mesh import Mesh

@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.formats import CONSTANT, QUADRATIC
+from quadshade.contract.formats import CONSTANT, QUADRATIC
 from quadshade.setup.edges import COLUMN, FIRST_Y, MAJOR_BOTTOM, MAJOR_TOP, MIRROR, STEP
 
 # A frame's integers: the first pixel's u and v over their denominator, the row step p and the column step q

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
+from quadshade.contract.formats import EDGES, LANE_BITS, PLANES_OF_ORDER, Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import EDGES, LANE_BITS, PLANES_OF_ORDER, Formats
 
 BLOCK = 4096
 """Packets written at a time: field by field, they stay in the cache."""

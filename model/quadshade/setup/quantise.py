@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.formats import CONSTANT, PLANES_OF_ORDER, QUADRATIC
+from quadshade.contract.formats import CONSTANT, PLANES_OF_ORDER, QUADRATIC
 from quadshade.setup.edges import (
     COLUMN,
     HEIGHT,

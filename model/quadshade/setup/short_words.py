@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
-from quadshade.formats import CONSTANT, PLANES, PLANES_OF_ORDER, Formats
-from quadshade.packed_format import CHANNEL_KINDS, channel_kinds
+from quadshade.contract.formats import CONSTANT, PLANES, PLANES_OF_ORDER, Formats
+from quadshade.contract.packed_format import CHANNEL_KINDS, channel_kinds
 from quadshade.setup.edges import (
     COLUMN,
     HEAD_FIELDS,

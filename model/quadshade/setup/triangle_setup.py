@@ -6,9 +6,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from quadshade.contract.formats import CONSTANT, LINEAR, ORDER_NAMES, PLANES_OF_ORDER, QUADRATIC, Formats
+from quadshade.contract.shade_state import specular_gain
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, ORDER_NAMES, PLANES_OF_ORDER, QUADRATIC, Formats
-from quadshade.setup.divide import beyond, divide
+from quadshade.setup.colour_words import Colours, colour_words, words_by_terms
+from quadshade.setup.divide_primitives import beyond, divide
 from quadshade.setup.edges import (
     COLUMN,
     FIRST_Y,
@@ -23,11 +26,8 @@ from quadshade.setup.edges import (
     Cut,
     cut_triangles,
 )
+from quadshade.setup.literature.terms import fit_terms
 from quadshade.setup.packet import Primitives
-from quadshade.setup.shade_state import specular_gain
-from quadshade.setup.terms import fit_terms
-from quadshade.setup.words import Colours, colour_words, words_by_terms
-from quadshade.triangles import ScreenTriangles
 
 ROUNDINGS = ("joint", "independent")
 MAX_ERROR = 0.5
@@ -196,7 +196,8 @@ def setup_triangles(
     rounding : {"joint", "independent"}
       Joint: lower orders absorb what higher ones lost. Independent: each word to its nearest.
     method : str
-      Where the coefficients of quadratic channels come from, one of :data:`quadshade.setup.terms.SETUPS`.
+      Where the coefficients of quadratic channels come from: one of
+      :data:`quadshade.setup.literature.terms.SETUPS`.
       ``xshading`` is ``unit`` here: it differs in its samples.
     limit : float, optional
       Most that the bound of a colour channel may be, in output units. A triangle beyond it is divided: drawn

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.settings import parse_settings
+from quadshade.scene.key_values import parse_settings
 
 WHITE = (1.0, 1.0, 1.0)
 LIGHT_KEYS = {"dir": (3,), "point": (3,), "ambient": (1, 3), "colour": (1, 3), "attenuation": (3,)}

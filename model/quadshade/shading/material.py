@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.settings import WORD, parse_settings
+from quadshade.scene.key_values import WORD, parse_settings
 from quadshade.shading.lights import AmbientLight, Light, triple
 
 Reflectance = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]

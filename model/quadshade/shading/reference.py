@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.formats import LINEAR, QUADRATIC, Formats
+from quadshade.contract.formats import LINEAR, QUADRATIC, Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.scene.project import Projected, doubled_area
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.sample import full_scale, reflected
-from quadshade.triangles import ScreenTriangles
 
 CHUNK = 1 << 16
 

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.triangles import ScreenTriangles
 
 SHADING_ORDERS = {"flat": CONSTANT, "gouraud": LINEAR, "quadratic": QUADRATIC}
 CHANNELS = ("r", "g", "b")

@@ -14,10 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from quadshade.errors import QuadshadeError
-from quadshade.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
-from quadshade.scene.project import Projected
-from quadshade.setup.shade_state import (
+from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
+from quadshade.contract.shade_state import (
     COEFFICIENT_LIMIT,
     Curve,
     ShadeState,
@@ -25,10 +23,12 @@ from quadshade.setup.shade_state import (
     shade_state,
     specular_gain,
 )
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.errors import QuadshadeError
+from quadshade.scene.project import Projected
 from quadshade.shading.lights import AmbientLight, Light, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
-from quadshade.triangles import ScreenTriangles
 
 SPECULAR_ORDERS = {"linear-specular": LINEAR, "quadratic-specular": QUADRATIC}
 MAX_CHANNELS = 8
@@ -137,8 +137,8 @@ def sample_specular(
     x_shading : bool
       Middles of edges take their normals from :func:`quadshade.shading.sample.middle_normals`.
     curves : two callables, optional
-      What diffuse and specular cosines go through, as :func:`quadshade.setup.shade_state.curve_table` takes
-      them, :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for every
+      What diffuse and specular cosines go through, as
+      :func:`quadshade.contract.shade_state.curve_table` takes them, :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for every
       channel (``through_tables``). A highlight on the dark side is then not cut. By default the power.
 
     Returns

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from quadshade.contract.shade_state import Curve
 from quadshade.errors import QuadshadeError
-from quadshade.setup.shade_state import Curve
 
 MAX_STEPS = 64
 BORDER = 0.5

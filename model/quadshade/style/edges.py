@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.golden.edge_map import DIAGONAL, EIGHT, edge_map
+from quadshade.golden.screen.edge_map import DIAGONAL, EIGHT, edge_map
 from quadshade.style.gbuffer import GBuffer
 
 KINDS = ("profile", "inner")

@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from quadshade.contract.formats import LINEAR, QUADRATIC, Formats
+from quadshade.contract.triangles import Drawing, ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.formats import LINEAR, QUADRATIC, Formats
 from quadshade.image import visible
 from quadshade.scene.project import Projected
 from quadshade.shading.sample import SAMPLE_POINTS, surface
-from quadshade.triangles import Drawing, ScreenTriangles
 
 NORMAL_CHANNELS = ("nx", "ny", "nz")
 GBUFFER_ORDERS = {"linear": LINEAR, "quadratic": QUADRATIC}

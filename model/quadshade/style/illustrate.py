@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
 from quadshade.image import paint, visible
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import default_lights

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
 from quadshade.synthesis.flow import find_tool, run_nextpnr, run_tool, tool_version, write_mapped

@@ -34,7 +34,14 @@ from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
 from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
-from quadshade.synthesis.reports import Area, CriticalPath, area_from_stat, critical_path, fmax_mhz, fullest
+from quadshade.synthesis.tool_reports import (
+    Area,
+    CriticalPath,
+    area_from_stat,
+    critical_path,
+    fmax_mhz,
+    fullest,
+)
 
 YOSYS = "pyosys"
 """Native Yosys as a Python module; the WebAssembly one ends without a word while it maps the core."""

@@ -15,9 +15,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import core_of
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import YOSYS, Implementation, Placed, implement, tool_version
 

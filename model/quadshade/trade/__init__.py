@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each step of accuracy costs: fraction, order, shading and subdivision swept over one scene."""
 
+from quadshade.trade.grid import Grid, Point
 from quadshade.trade.pareto import COSTS, mark_pareto, pareto_front
-from quadshade.trade.point import Grid, Point
-from quadshade.trade.run import Sweep, sweep
+from quadshade.trade.sweep import Sweep, sweep
 from quadshade.trade.view import View
 
 __all__ = ["COSTS", "Grid", "Point", "Sweep", "View", "mark_pareto", "pareto_front", "sweep"]

@@ -8,15 +8,15 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+from quadshade.contract.formats import Formats
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import core_of, write_netlist
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.synthesis import find_device
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version
 from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
-from quadshade.synthesis.reports import area_from_stat
+from quadshade.synthesis.tool_reports import area_from_stat
 
 DEVICE = "ecp5-25k-6"
 STAT = "stat.json"

@@ -11,18 +11,18 @@ import numpy as np
 from PIL import Image
 
 from quadshade.adapt import adapt
-from quadshade.adapt.figures import state_bytes
+from quadshade.adapt.costs import state_bytes
+from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.formats import LANE_BITS, Formats
 from quadshade.image import paint, visible
 from quadshade.image.compare import error_map, psnr
 from quadshade.scene import Projected
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample, sample_specular
-from quadshade.trade.point import Point
+from quadshade.trade.grid import Point
 from quadshade.trade.view import BACKGROUND, Stage, phong_picture
-from quadshade.triangles import ScreenTriangles
 
 HEAT_FULL = 32
 """Grey levels of error at the bright end of an error heat map; the same for all, so that they compare."""

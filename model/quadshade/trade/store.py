@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from quadshade import errors
-from quadshade.formats import Formats
+from quadshade.contract.formats import Formats
+from quadshade.trade.grid import Point
 from quadshade.trade.measure import Measured
-from quadshade.trade.point import Point
 from quadshade.trade.view import Stage, View
 
 RECORD = "record.json"

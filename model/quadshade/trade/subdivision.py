@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from quadshade.adapt import centre_subdivision, refine, regular_subdivision
+from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.formats import Formats
 from quadshade.scene import Projected
 from quadshade.shading import DirectionalLight, Light, Material, PointLight, default_lights
 

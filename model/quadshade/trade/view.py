@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from quadshade.contract.formats import Formats
 from quadshade.engine import draw
-from quadshade.formats import Formats
 from quadshade.image import paint, visible
 from quadshade.scene import Projected, load_scene, parse_camera, project
 from quadshade.shading import AmbientLight, Light, Material, parse_light, parse_material, sample

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ULX3S's serialiser: the bits on a monitor's lanes against its words, at every phase of both clocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cocotb
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+from cocotb_tests.support.bench import Bench
+from cocotb_tests.support.simulation import identifier, simulate
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIFT_NS, CLOCK_NS = 8, 10
+CLOCKS = 4
+"""Of a pixel."""
+RESET_CLOCKS = 8
+CLOCK_LANE = 0b0000011111
+
+
+@dataclass(frozen=True)
+class Config:
+    """``gpdi`` has no parameters."""
+
+
+@pytest.mark.parametrize("config", [Config()], ids=identifier)
+def test_gpdi(config: Config) -> None:
+    sources = [ROOT / "synth" / "boards" / "gpdi.v", Path(__file__).with_name("oddrx1f.v")]
+    simulate("gpdi", config, verilog=sources)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(phase_ps=[100, 1300, 2500, 3700, 4900, 6100, 7900], first=[0, 1, 2, 3])
+async def every_bit(dut: Any, phase_ps: int, first: int) -> None:
+    bench = Bench(dut, Config, f"every_bit {phase_ps} {first}")
+    dut.word_next.value, dut.words.value, dut.reset.value = 0, 0, 1
+    Clock(dut.clk, CLOCK_NS, "ns").start(start_high=False)
+    words: list[int] = []
+    bits: list[int] = []
+
+    async def shift() -> None:
+        await Timer(phase_ps, "ps")
+        Clock(dut.clk_shift, SHIFT_NS, "ns").start(start_high=False)
+
+    async def watch() -> None:
+        # In the middle of each half of a cycle.
+        while True:
+            for edge in (RisingEdge, FallingEdge):
+                await edge(dut.clk_shift)
+                await Timer(SHIFT_NS * 250, "ps")
+                bits.append(int(dut.gpdi_dp.value))
+
+    cocotb.start_soon(shift())
+    cocotb.start_soon(watch())
+    for index in range(60 * CLOCKS):
+        await RisingEdge(dut.clk)
+        dut.reset.value = int(index < RESET_CLOCKS)
+        # The words change with the edge that ends a cycle of word_next.
+        if index % CLOCKS == (first + 1) % CLOCKS and index > RESET_CLOCKS + CLOCKS:
+            words.append(bench.draw.getrandbits(30))
+            dut.words.value = words[-1]
+        dut.word_next.value = int(index % CLOCKS == first and index >= RESET_CLOCKS + CLOCKS)
+
+    # What was there before the reset is over by then.
+    lane = [bit >> 3 & 1 for bit in bits]
+    begin = next(at for at in range(20, len(lane)) if lane[at] and not lane[at - 1])
+    got = []
+    for at in range(begin, len(bits) - 10, 10):
+        four = [sum((bits[at + bit] >> number & 1) << bit for bit in range(10)) for number in range(4)]
+        bench.check("clock lane", four[3], CLOCK_LANE, at)
+        got.append(four[0] | four[1] << 10 | four[2] << 20)
+    bench.check("many words came", len(got) > 50, True)
+    # From the first on; none is lost, none comes twice.
+    bench.check("words", got, words[: len(got)])
+    bench.finish(at_least=50)

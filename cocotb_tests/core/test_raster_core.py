@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The core against the model: every pixel, every channel, order, last flag, clocks, and when it says idle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import count, repeat
+from typing import Any
+
+import cocotb
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.core_run import Run, stimulus
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.formats import Formats
+from quadshade.golden.compiled import draw_fast
+
+FIRST_PIXEL_LATENCY = 11
+"""Cycles from a packet's last beat to its first pixel, but for the span chain's."""
+
+
+@dataclass(frozen=True)
+class Config(Formats):
+    """Generics of the core; with a single buffer there are the same pixels, later."""
+
+    single_buffer: int = 0
+
+
+CONFIGS = [
+    Config(),
+    Config(stream_width=64),
+    Config(stream_width=128, span_depth=1),
+    Config(word_width=24, frac_bits=14, span_depth=3),
+    Config(word_width=40, frac_bits=30, subpixel_bits=4),
+    Config(num_channels=2, word_width=40, frac_bits=28, stream_width=128),
+    Config(num_channels=1, max_order=1, with_depth=0, span_depth=4),
+    Config(num_channels=2, max_order=0, stream_width=64),
+    Config(num_channels=4, with_depth=0, coord_bits=6, stream_width=128),
+    Config(num_channels=1, max_order=1, depth_bits=20, value_bits=12, frac_bits=18, coord_bits=7),
+    Config(num_channels=3, max_order=0, with_depth=0, subpixel_bits=0, coord_bits=3, stream_width=128),
+    Config(
+        num_channels=1,
+        with_depth=0,
+        word_width=20,
+        frac_bits=10,
+        subpixel_bits=4,
+        coord_bits=9,
+        single_buffer=1,
+    ),
+    Config(num_channels=2, coord_bits=6, stream_width=64, single_buffer=1),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_raster_core(config: Config) -> None:
+    simulate("raster_core", config, config.core_generics())
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(stall_period=[0, 3])
+async def clocks(dut: Any, stall_period: int) -> None:
+    """Full speed, then a sink that is not ready in every third clock from the first beat on."""
+    bench = Bench(dut, Config, f"clocks {stall_period}")
+    await bench.start("setup_valid", "setup_data", "pixel_ready")
+    words = stimulus(bench, 42 if stall_period == 0 else 21)
+    takes = (stall_period == 0 or cycle % stall_period != 0 for cycle in count(1))
+    run = Run(bench, words, repeat(True), takes)
+    await run.finish()
+    least = draw_fast(words, bench.config, stall_period).clocks
+    if bench.config.single_buffer:
+        bench.check("no fewer clocks", run.clocks >= least, True)
+    else:
+        bench.check("clocks", run.clocks, least)
+    if stall_period == 0:
+        first_packet = sorted(run.settled)[1]
+        latency = run.sink.taken_at[0] - run.source.accepted_at[first_packet - 1]
+        bench.check("latency", latency, FIRST_PIXEL_LATENCY + bench.config.span_depth)
+    bench.finish(at_least=200)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(
+    (
+        ("source", "sink"),
+        [("full_speed", "throttled"), ("throttled", "full_speed"), ("throttled", "throttled")],
+    )
+)
+async def slowed(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"slowed {source} {sink}")
+    await bench.start("setup_valid", "setup_data", "pixel_ready")
+    offers, takes = SPEEDS[source](bench.draw), SPEEDS[sink](bench.draw)
+    run = Run(bench, stimulus(bench, 20), offers, takes)
+    await run.finish()
+    bench.finish(at_least=200)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def reset_recovers(dut: Any) -> None:
+    bench = Bench(dut, Config, "reset_recovers")
+    await bench.start("setup_valid", "setup_data", "pixel_ready")
+    for speed in ("full_speed", "throttled", "full_speed"):
+        words = stimulus(bench, 12)
+        run = Run(bench, words, SPEEDS[speed](bench.draw), SPEEDS[speed](bench.draw))
+        # Somewhere within a packet, with others on their way.
+        while len(run.source.accepted_at) < len(run.beats) * 2 // 3:
+            await run.cycle()
+        while len(run.source.accepted_at) in run.settled:
+            await run.cycle()
+        got = run.sink.words
+        bench.check_all("pixel before the reset", got, run.expected[: len(got)], run.inputs)
+        dut.setup_valid.value = 0
+        await bench.reset()
+        words = stimulus(bench, 6)
+        run = Run(bench, words, repeat(True), repeat(True))
+        await run.finish()
+        if not bench.config.single_buffer:
+            bench.check("clocks after the reset", run.clocks, draw_fast(words, bench.config).clocks)
+    bench.finish(at_least=200)

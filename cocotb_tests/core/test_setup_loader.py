@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-up words to packets against the model: fields, channel words, and how many beats a packet takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.golden.core.setup_loader import load_packets
+from tests.support.golden_stimuli import malformed_packet, triangle_words
+
+PACKETS = 40
+
+
+@dataclass(frozen=True)
+class Config(Formats):
+    """Generics of the core: the loader's follow from them."""
+
+
+CONFIGS = [
+    Config(),
+    Config(stream_width=64),
+    Config(stream_width=128),
+    Config(word_width=40, frac_bits=28),
+    Config(word_width=40, frac_bits=28, stream_width=128),
+    Config(num_channels=2, max_order=0),
+    Config(num_channels=1, max_order=1, with_depth=0, stream_width=64),
+    # A whole edge section in a single beat.
+    Config(num_channels=4, max_order=0, subpixel_bits=0, coord_bits=3, stream_width=128),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_setup_loader(config: Config) -> None:
+    names = ("num_channels", "max_order", "with_depth", "word_width", "stream_width")
+    generics = {name: getattr(config, name) for name in names}
+    generics["edge_section_bits"] = config.section_bits("edge")
+    generics["second_section_bits"] = config.section_bits("second")
+    generics["orders_low"] = config.section("edge")["orders"][0]
+    simulate("setup_loader", config, generics)
+
+
+@dataclass
+class Expected:
+    """A packet as it stands at the loader's ports."""
+
+    fields: dict[str, int]
+    beats: int
+    edge_data: int
+    second_data: int
+    words: int
+
+
+def expected_packets(words: list[int], formats: Formats) -> list[Expected]:
+    """Every packet of a stream of lanes, from the model."""
+    layouts = [formats.section("edge"), formats.section("second")]
+    width = formats.word_width
+    packets = []
+    for packet in load_packets(words, formats):
+        sections = [
+            sum(packet.fields[name] << offset for name, (offset, _) in layout.items()) for layout in layouts
+        ]
+        flat = [word for channel in packet.words for word in channel]
+        bits = sum(word << (index * width) for index, word in enumerate(flat))
+        packets.append(Expected(packet.fields, packet.beats, *sections, bits))
+    return packets
+
+
+class Taker:
+    """Takes packets as the edge walker does: the words are copied some cycles after the packet was taken."""
+
+    def __init__(self, bench: Bench, packets: list[Expected], throttle: bool) -> None:
+        self.bench, self.packets, self.throttle = bench, packets, throttle
+        self.taken = 0
+        self.pending = 0
+        self.copy: Expected | None = None
+        self.taken_at: list[int] = []
+        self.taking = False
+
+    def drive(self) -> None:
+        """Say whether words are still to be copied in this cycle."""
+        self.bench.dut.words_pending.value = int(self.pending > 0)
+
+    def sample(self) -> None:
+        """Look at the packet, and at the words that are to be copied now."""
+        bench, dut = self.bench, self.bench.dut
+        if self.copy is not None and self.pending == 0:
+            words = int(dut.words.value)
+            bench.check("words", words, self.copy.words, self.taken - 1, self.copy.fields)
+            self.copy = None
+        if self.pending:
+            self.pending -= 1
+        if self.taking:
+            self.check_packet()
+
+    def check_packet(self) -> None:
+        """The packet's fields, in the cycle in which it is taken."""
+        bench, dut, packet = self.bench, self.bench.dut, self.packets[self.taken]
+        got = int(dut.edge_data.value)
+        bench.check("edge_data", got, packet.edge_data, self.taken, packet.fields)
+        if packet.fields["has_second"]:
+            got = int(dut.second_data.value)
+            bench.check("second_data", got, packet.second_data, self.taken, packet.fields)
+        self.copy = packet
+        self.pending = 1 + (bench.draw.choice((0, 0, 1, 5)) if self.throttle else 0)
+        self.taken += 1
+        self.taken_at.append(bench.cycle)
+
+
+def beats_of(words: list[int], formats: Formats) -> list[tuple[int]]:
+    """Beats of a stream of lanes."""
+    lanes = formats.stream_lanes
+    rows = [words[at : at + lanes] for at in range(0, len(words), lanes)]
+    return [(sum(int(word) << (LANE_BITS * lane) for lane, word in enumerate(row)),) for row in rows]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_packet(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_packet {source} {sink}")
+    formats = bench.config
+    await bench.start("setup_valid", "setup_data", "packet_taken", "words_pending")
+    words = triangle_words(formats, bench.rng, 6).tolist()
+    for _ in range(PACKETS):
+        words += malformed_packet(formats, bench.rng)
+    packets = expected_packets(words, formats)
+    beats = beats_of(words, formats)
+    stream = StreamSource(
+        dut.setup_valid, dut.setup_ready, [dut.setup_data], beats, SPEEDS[source](bench.draw)
+    )
+    wants = SPEEDS[sink](bench.draw)
+    taker = Taker(bench, packets, sink == "throttled")
+    ends = []
+    for packet in packets:
+        ends.append((ends[-1] if ends else 0) + packet.beats)
+    full = begun = False
+    while taker.taken < len(packets) or taker.copy:
+        stream.drive()
+        taker.drive()
+        taker.taking = full and next(wants)
+        dut.packet_taken.value = int(taker.taking)
+        await bench.edge()
+        accepted = len(stream.accepted_at)
+        inputs = f"beat {accepted}, full {full}, pending {taker.pending}"
+        bench.check("packet_valid", bool(dut.packet_valid.value), full, taker.taken, inputs)
+        bench.check("busy", bool(dut.busy.value), full or begun, taker.taken, inputs)
+        if full:
+            bench.check("setup_ready with a packet waiting", bool(dut.setup_ready.value), False, accepted)
+        full = full and not taker.taking
+        taker.sample()
+        if stream.sample(bench.cycle):
+            full = len(stream.accepted_at) == ends[taker.taken]
+            begun = not full
+    bench.check("beats accepted", len(stream.accepted_at), len(beats))
+    if source == sink == "full_speed":
+        # A beat a cycle, the cycle in which a packet is taken, and one more while its words are copied where
+        # the next packet's words come at once.
+        one_beat = formats.section_beats("edge") == 1
+        pauses = (len(packets) - 1) * (2 if one_beat else 1)
+        cycles = stream.accepted_at[-1] - stream.accepted_at[0] + 1
+        bench.check("cycles for all beats", cycles, len(beats) + pauses)
+    bench.finish(at_least=2 * len(packets))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def reset_begins_anew(dut: Any) -> None:
+    bench = Bench(dut, Config, "reset_begins_anew")
+    formats = bench.config
+    await bench.start("setup_valid", "setup_data", "packet_taken", "words_pending")
+    for index in range(20):
+        words = malformed_packet(formats, bench.rng)
+        (packet,) = expected_packets(words, formats)
+        beats = beats_of(words, formats)
+        # Any number of beats, then a reset, then the packet as a whole.
+        for count in (bench.draw.randint(1, len(beats)), len(beats)):
+            await bench.reset()
+            stream = StreamSource(
+                dut.setup_valid,
+                dut.setup_ready,
+                [dut.setup_data],
+                beats[:count],
+                SPEEDS["full_speed"](bench.draw),
+            )
+            while not stream.empty:
+                stream.drive()
+                await bench.edge()
+                stream.sample(bench.cycle)
+        await bench.edge()
+        bench.check("packet_valid", bool(dut.packet_valid.value), True, index, packet.fields)
+        bench.check("edge_data", int(dut.edge_data.value), packet.edge_data, index, packet.fields)
+        # The words may come a cycle later than the edges: they are copied two cycles later.
+        await bench.edge()
+        bench.check("words", int(dut.words.value), packet.words, index, packet.fields)
+    bench.finish(at_least=60)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands from the FIFO's words: the right requests, in order, none before the core is idle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
+from cocotb_tests.support.link_stimuli import good_payload
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.protocol import Opcode
+from quadshade.golden.link.command_executor import execute
+from quadshade.golden.link.frame_fifo import FrameFifo
+
+COMMANDS = [opcode for opcode in Opcode if opcode.is_sequenced]
+PORTS = {
+    "setup": ("data",),
+    "state": ("address", "data"),
+    "clear": ("colour",),
+    "read": ("x", "y", "width", "count", "pixels", "plane"),
+    "frame_crc": ("plane",),
+}
+
+
+@dataclass(frozen=True)
+class Config:
+    """``command_executor`` has no generics."""
+
+
+@pytest.mark.parametrize("config", [Config()], ids=identifier)
+def test_command_executor(config: Config) -> None:
+    simulate("command_executor", config)
+
+
+class Recorder:
+    """What the model's commands do, as the ports say it."""
+
+    def __init__(self) -> None:
+        self.done: list[tuple] = []
+
+    def triangles(self, words: list[int]) -> None:
+        self.done += [("setup", word) for word in words]
+
+    def state(self, address: int, value: int) -> None:
+        self.done.append(("state", address, value))
+
+    def clear(self, colour: int) -> None:
+        self.done.append(("clear", colour))
+
+    def read(self, **fields: int) -> bytes:
+        self.done.append(("read", *(fields[name] for name in PORTS["read"])))
+        return bytes(fields["count"])
+
+    def frame_crc(self, plane: int) -> int:
+        self.done.append(("frame_crc", plane))
+        return 0
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def commands(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"commands {source} {sink}")
+    inputs = ("core_idle", "fifo_valid", "fifo_data", "frame_crc_done", "frame_crc_value", "result_taken")
+    await bench.start(*inputs, *(f"{name}_ready" for name in PORTS))
+    draw, recorder, fifo = bench.draw, Recorder(), FrameFifo(1 << 20)
+    words, results = [], []
+    for index in range(80):
+        opcode = draw.choice(COMMANDS)
+        payload = good_payload(draw, opcode)
+        frame = bytes([opcode, index]) + len(payload).to_bytes(2, "little") + payload
+        words += [int.from_bytes(frame[at : at + 4], "little") for at in range(0, len(frame), 4)]
+        results += [(opcode, index)] if opcode in (Opcode.READ, Opcode.FRAME_CRC) else []
+    for word in words:
+        fifo.write(word)
+    fifo.commit()
+    while fifo.committed:
+        execute(fifo, recorder)
+    going = StreamSource(
+        dut.fifo_valid, dut.fifo_ready, [dut.fifo_data], [(word,) for word in words], SPEEDS[source](draw)
+    )
+    speeds = {name: SPEEDS[sink](draw) for name in PORTS}
+    busy, crc_in, crc, got, answered, was_idle = 0, 0, 0, [], [], True
+    while (len(got) < len(recorder.done) or len(answered) < len(results)) and bench.cycle < 20000:
+        going.drive()
+        ready = {name: next(go) for name, go in speeds.items()}
+        for name, value in ready.items():
+            getattr(dut, f"{name}_ready").value = int(value)
+        taken = bench.chance(0.2)
+        dut.result_taken.value = int(taken)
+        idle = busy == 0
+        dut.core_idle.value = int(idle)
+        dut.frame_crc_done.value = int(crc_in == 1)
+        dut.frame_crc_value.value = crc if crc_in == 1 else draw.getrandbits(32)
+        await bench.edge()
+        going.sample(bench.cycle)
+        busy, crc_in = max(0, busy - 1), max(0, crc_in - 1)
+        valid = [name for name in PORTS if getattr(dut, f"{name}_valid").value]
+        bench.check("one request at a time", len(valid) <= 1, True, len(got), valid)
+        for name in valid:
+            # The core has been idle since the last set-up word was drawn.
+            bench.check("core is idle", name in ("setup",) or was_idle or idle, True, len(got), name)
+            if ready[name]:
+                got.append((name, *(int(getattr(dut, f"{name}_{port}").value) for port in PORTS[name])))
+                busy = draw.randrange(30) if name in ("setup", "clear") else 0
+                if name == "frame_crc":
+                    crc_in, crc = draw.randrange(1, 20), draw.getrandbits(32)
+        if dut.result_due.value and taken:
+            code = Opcode(int(dut.command.value))
+            answered.append((code, int(dut.number.value)))
+            if code is Opcode.FRAME_CRC:
+                bench.check("crc", (int(dut.crc.value), crc_in), (crc, 0), len(got))
+        was_idle = idle
+    for _ in range(10):
+        await bench.edge()
+        valid = [name for name in PORTS if getattr(dut, f"{name}_valid").value]
+        bench.check("nothing more is asked for", valid, [])
+    bench.check_all("request", got, recorder.done)
+    bench.check_all("result", answered, results)
+    bench.check("all was taken", going.empty, True)
+    bench.finish(at_least=500)

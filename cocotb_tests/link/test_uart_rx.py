@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The receiver against the model in every cycle, and against cocotbext-uart, with rates 2 % off."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+import pytest
+from cocotbext.uart import UartSource
+
+from cocotb_tests.support.bench import PERIOD_NS, Bench
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.protocol import PHASE_BITS
+from quadshade.golden.link.uart_rx import UartRx
+
+STEPS = [1 << (PHASE_BITS - 2), round((1 << PHASE_BITS) / 8.333), round((1 << PHASE_BITS) / 33.3)]
+
+
+@dataclass(frozen=True)
+class Config:
+    """``uart_rx`` has no generics."""
+
+
+@pytest.mark.parametrize("config", [Config()], ids=identifier)
+def test_uart_rx(config: Config) -> None:
+    simulate("uart_rx", config)
+
+
+def levels(bench: Bench, clocks: float) -> list[int]:
+    """A line, clock by clock: characters, gaps, glitches, breaks, noise."""
+    line: list[int] = []
+    while len(line) < 90 * clocks + 2500:
+        kind = bench.draw.choice(("character", "character", "gap", "glitch", "low", "noise"))
+        if kind == "character":
+            bits = [0, *(bench.bits(8) >> index & 1 for index in range(8)), int(bench.chance(0.9))]
+        elif kind == "noise":
+            line += [bench.bits(1) for _ in range(30)]
+            continue
+        else:
+            run = {"gap": 30, "glitch": 0.6, "low": 30}[kind] * bench.draw.random()
+            line += [int(kind == "gap")] * int(run * clocks) + [1]
+            continue
+        ends = [round((index + 1) * clocks) for index in range(10)]
+        for start, end, value in zip([0, *ends], ends, bits, strict=False):
+            line += [value] * (end - start)
+    return line
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(step=STEPS)
+async def every_cycle(dut: Any, step: int) -> None:
+    bench = Bench(dut, Config, f"every_cycle {step}")
+    dut.rx.value = 1
+    await bench.start("phase_step")
+    dut.rx.value = 1
+    dut.phase_step.value = step
+    for _ in range(4):
+        await bench.edge()
+    model, seen = UartRx(), [0, 0, 0]
+    for index, level in enumerate(levels(bench, (1 << PHASE_BITS) / step)):
+        dut.rx.value = level
+        await bench.edge()
+        expected = model.outputs
+        got = (bool(dut.byte_valid.value), bool(dut.framing_error.value), bool(dut.break_seen.value))
+        wanted = (expected.valid, expected.framing_error, expected.break_seen)
+        bench.check("valid, framing_error, break_seen", got, wanted, index, {"step": step})
+        if expected.valid:
+            bench.check("byte_data", int(dut.byte_data.value), expected.data, index)
+        seen = [count + value for count, value in zip(seen, wanted, strict=True)]
+        model.clock(level, step)
+    bench.check("characters, framing errors and breaks were there", min(seen) > 0, True)
+    bench.finish(at_least=2500)
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+@cocotb.parametrize(clocks=[4.2, 8.333, 33.3, 100], skew=[-0.02, 0.0, 0.02])
+async def from_another_uart(dut: Any, clocks: float, skew: float) -> None:
+    bench = Bench(dut, Config, f"from_another_uart {clocks} {skew}")
+    await bench.start("phase_step")
+    # Its rate is in whole nanoseconds a bit.
+    bit_ns = round(clocks * PERIOD_NS)
+    source = UartSource(dut.rx, baud=1e9 / bit_ns - 1e-3)
+    source.log.setLevel(logging.WARNING)
+    dut.phase_step.value = round((1 << PHASE_BITS) * (1 + skew) * PERIOD_NS / bit_ns)
+    await bench.reset()
+    for _ in range(20):
+        await bench.edge()
+    sent = bytes([0, 255, 0x55, 0xAA, *(bench.bits(8) for _ in range(12))])
+    source.write_nowait(sent)
+    got = bytearray()
+    for _ in range(int(10.2 * clocks * len(sent)) + 100):
+        await bench.edge()
+        if dut.byte_valid.value:
+            got.append(int(dut.byte_data.value))
+        bench.check("framing_error", bool(dut.framing_error.value), False)
+    bench.check("bytes", bytes(got), sent)
+    bench.finish(at_least=100)

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unpacker against its model and the packets themselves: real triangles, and words that mean nothing."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import cocotb
+import numpy as np
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.packing.pack import pack_primitives
+from quadshade.setup.packet import pack
+from quadshade.setup.triangle_setup import setup_triangles
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``word_unpacker``."""
+
+    num_channels: int = 3
+    max_order: int = 2
+    with_depth: int = 1
+    word_width: int = 32
+    subpixel_bits: int = 8
+    coord_bits: int = 12
+    with_shade: int = 0
+    num_specular: int = 1
+
+    @property
+    def formats(self) -> Formats:
+        """The formats with these generics, and a fraction that fits."""
+        return Formats(**asdict(self), frac_bits=min(22, self.word_width - 10))
+
+
+CONFIGS = [
+    Config(),
+    Config(num_channels=2, with_shade=1),
+    Config(num_channels=1, max_order=0, with_depth=0, word_width=20, subpixel_bits=0, coord_bits=5),
+    Config(num_channels=8, word_width=40, with_shade=1, num_specular=4, coord_bits=13),
+    Config(num_channels=2, max_order=1, word_width=24, subpixel_bits=4, coord_bits=9),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_word_unpacker(config: Config) -> None:
+    simulate("word_unpacker", config)
+
+
+def triangles_of(bench: Bench, count: int) -> ScreenTriangles:
+    """Triangles small and large, of any orders; some of them cross the screen's border."""
+    formats, rng = bench.config.formats, bench.rng
+    size, pixel = 1 << formats.coord_bits, 1 << formats.subpixel_bits
+    middle = rng.uniform(0, size, (count, 1, 2))
+    spread = rng.choice([3.0, 12.0, size / 3], (count, 1, 1))
+    vertices = np.rint((middle + rng.uniform(-1, 1, (count, 3, 2)) * spread) * pixel).astype(np.int64)
+    channels = formats.num_channels
+    tops = 2.0**formats.value_bits - 1
+    samples = rng.uniform(0, tops, (count, channels, 1)) + rng.uniform(-1, 1, (count, channels, 6)) * tops / 9
+    return ScreenTriangles(
+        size,
+        size,
+        np.clip(vertices, *formats.guard_band),
+        np.clip(samples, 0, tops),
+        rng.integers(0, formats.max_order + 1, (count, channels)),
+        rng.uniform(0, 2.0**formats.depth_bits - 1, (count, 3)) if formats.with_depth else None,
+        tuple(f"c{index}" for index in range(channels)),
+    )
+
+
+async def unpack(bench: Bench, words: np.ndarray, source: str, sink: str) -> tuple[list[int], list[int]]:
+    """Send words; the lanes that come out, and in which cycles, once nothing has come for a while."""
+    dut = bench.dut
+    offered = StreamSource(
+        dut.packed_valid,
+        dut.packed_ready,
+        [dut.packed_data],
+        ((int(word),) for word in words),
+        SPEEDS[source](bench.draw),
+    )
+    taken = StreamSink(bench, dut.setup_valid, dut.setup_ready, [dut.setup_data], SPEEDS[sink](bench.draw))
+    quiet, seen = 0, 0
+    while quiet < 120:
+        offered.drive()
+        taken.drive()
+        await bench.edge()
+        offered.sample(bench.cycle)
+        taken.sample(bench.cycle)
+        quiet = quiet + 1 if offered.empty and len(taken.words) == seen else 0
+        seen = len(taken.words)
+    return [word for (word,) in taken.words], taken.taken_at
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def packets(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"packets {source} {sink}")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats = bench.config.formats
+    primitives = setup_triangles(triangles_of(bench, 6), formats, limit=None)
+    batches = [pack_primitives(primitives, formats, error) for error in (0.25, 0.0)]
+    words = np.concatenate([batch.words for batch in batches])
+    expected = np.concatenate([pack(batch.primitives, formats) for batch in batches])
+    lanes, _ = await unpack(bench, words, source, sink)
+    bench.check_all("lane", lanes, expected.tolist())
+    bench.check("busy at the end", int(dut.busy.value), 0)
+    bench.finish(at_least=40)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def junk(dut: Any) -> None:
+    """Words that mean nothing end each packet all the same, and after reset the next one is read as ever."""
+    bench = Bench(dut, Config, "junk")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats = bench.config.formats
+    model = WordUnpacker(formats)
+    for kind in range(6):
+        count = 40
+        words = np.array([bench.bits(32) for _ in range(count)], np.uint32)
+        words &= np.array((0xFFFFFFFF, 0xFFFFFFFF, 0x11111111, 0x00000F0F)[kind % 4], np.uint32)
+        words |= np.array((0, 0xF0F0F0F0)[kind == 5], np.uint32)
+        lanes, _ = await unpack(bench, words, "full_speed", "throttled")
+        whole = model.feed(words).tolist()
+        bench.check_all("lane", lanes, whole + model.begun)
+        bench.check("busy", bool(dut.busy.value), model.within)
+        model.reset()
+        await bench.reset()
+    primitives = setup_triangles(triangles_of(bench, 4), formats, limit=None)
+    batch = pack_primitives(primitives, formats)
+    lanes, _ = await unpack(bench, batch.words, "full_speed", "full_speed")
+    bench.check_all("lane after junk", lanes, pack(batch.primitives, formats).tolist())
+    bench.finish(at_least=100)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks(dut: Any) -> None:
+    """A lane takes 32 cycles for its bits and a few for the fields that begin in it."""
+    bench = Bench(dut, Config, "clocks")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats = bench.config.formats
+    batch = pack_primitives(setup_triangles(triangles_of(bench, 6), formats, limit=None), formats)
+    begin = bench.cycle
+    lanes, taken_at = await unpack(bench, batch.words, "full_speed", "full_speed")
+    bench.check("lanes", len(lanes), len(pack(batch.primitives, formats)))
+    cycles = (taken_at[-1] - begin) / len(lanes)
+    dut._log.info("%.1f cycles a lane, %.1f a packed word", cycles, cycles * len(lanes) / len(batch.words))
+    bench.check("about 32 cycles and a few for the fields", 32 <= cycles < 48, True)
+    bench.finish(at_least=2)
+
+
+def test_configurations_are_the_units_generics() -> None:
+    assert {field.name for field in fields(Config)} < set(Formats().generics())

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The edge map against its model: frames of all shapes back to back, both variants, every pace."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import cocotb
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource, full_speed
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.golden.screen.edge_map import DIAGONAL, EIGHT, edge_map_scalar
+
+FRAME = ("frame_width", "frame_height", "frame_variant")
+INPUTS = ("frame_valid", *FRAME, "pixel_valid", "pixel_normal", "pixel_depth", "edge_ready")
+LATENCY = 10
+"""Clocks from a pixel's acceptance to its upper left neighbour at the output."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``edge_map``."""
+
+    max_width: int = 24
+    coord_bits: int = 6
+    depth_bits: int = 8
+
+
+CONFIGS = [Config(), Config(max_width=3, coord_bits=2, depth_bits=16), Config(max_width=64, depth_bits=11)]
+
+
+class Frame(NamedTuple):
+    """Size, variant, and pixels of (nx, ny, nz, depth) in scanline order."""
+
+    width: int
+    height: int
+    variant: int
+    pixels: list[tuple[int, int, int, int]]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_edge_map(config: Config) -> None:
+    simulate("edge_map", config)
+
+
+def frames(bench: Bench) -> list[Frame]:
+    """The narrowest, the widest, single scanlines, and some between; corners of the formats in each."""
+    widest = bench.config.max_width
+    tallest = min(9, 1 << bench.config.coord_bits)
+    sizes = [(3, 1), (widest, 3), (3, 3), (widest, 1), (3, 2), (widest, tallest)]
+    sizes += [(bench.draw.randint(3, widest), bench.draw.randint(1, tallest)) for _ in range(6)]
+    some = []
+    for index, (width, height) in enumerate(sizes):
+        pixels = [
+            (*(bench.bits(8) for _ in range(3)), bench.bits(bench.config.depth_bits))
+            for _ in range(width * height)
+        ]
+        if index % 3 == 0:
+            # Smooth, with a step: as a G-buffer is.
+            pixels = [
+                (128 + p % 3, 130, 250, 20 + p % width + 90 * (p % width > 4)) for p in range(len(pixels))
+            ]
+        some.append(Frame(width, height, bench.draw.choice((DIAGONAL, EIGHT)), pixels))
+    return some
+
+
+def words(frame: Frame) -> list[tuple[int, int]]:
+    """A frame's pixels as they stand at the ports."""
+    return [(x | y << 8 | z << 16, depth) for x, y, z, depth in frame.pixels]
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_frame(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_frame {source} {sink}")
+    await bench.start(*INPUTS)
+    asked = frames(bench)
+    pixels = [word for frame in asked for word in words(frame)]
+    sources = [
+        StreamSource(
+            dut.frame_valid,
+            dut.frame_ready,
+            [getattr(dut, name) for name in FRAME],
+            [frame[:3] for frame in asked],
+            full_speed(bench.draw),
+        ),
+        StreamSource(
+            dut.pixel_valid,
+            dut.pixel_ready,
+            [dut.pixel_normal, dut.pixel_depth],
+            pixels,
+            SPEEDS[source](bench.draw),
+        ),
+    ]
+    outputs = [dut.edge_normal, dut.edge_depth, dut.edge_last]
+    taker = StreamSink(bench, dut.edge_valid, dut.edge_ready, outputs, SPEEDS[sink](bench.draw))
+    for _ in range(40_000):
+        if len(taker.words) >= len(pixels):
+            break
+        for stream in (*sources, taker):
+            stream.drive()
+        await bench.edge()
+        for stream in (*sources, taker):
+            stream.sample(bench.cycle)
+    taker.go = full_speed(bench.draw)
+    for _ in range(3 * LATENCY):
+        taker.drive()
+        await bench.edge()
+        taker.sample(bench.cycle)
+    expected = []
+    for frame in asked:
+        edges = edge_map_scalar(
+            frame.pixels, frame.width, frame.height, bench.config.depth_bits, frame.variant
+        )
+        expected += [(*edge, int(index == len(edges) - 1)) for index, edge in enumerate(edges)]
+    bench.check_all("edge pixel", taker.words, expected)
+    if source == sink == "full_speed":
+        begin = 0
+        for index, frame in enumerate(asked):
+            times = sources[1].accepted_at[begin : begin + len(frame.pixels)]
+            shown = taker.taken_at[begin : begin + len(frame.pixels)]
+            for what, some in (("accepted", times), ("shown", shown)):
+                bench.check(f"clocks between {what}", {b - a for a, b in pairwise(some)} <= {1}, True, index)
+            delay = frame.width + 1 + LATENCY
+            bench.check("latency", shown[0] - times[0], delay, index, frame[:3])
+            begin += len(frame.pixels)
+        starts = sources[0].accepted_at
+        spans = [b - a for a, b in pairwise(starts)]
+        bench.check("clocks of a frame", spans, [f.width * (f.height + 1) + 2 for f in asked[:-1]])
+    bench.finish(at_least=50)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def frames_of_other_sizes_are_refused(dut: Any) -> None:
+    bench = Bench(dut, Config, "frames_of_other_sizes_are_refused")
+    await bench.start(*INPUTS)
+    widest = bench.config.max_width
+    for size in ((0, 1), (1, 5), (2, 2), (widest + 1, 3), (widest, 0), (3, 1)):
+        dut.frame_valid.value = 1
+        dut.frame_width.value, dut.frame_height.value = size
+        await bench.edge()
+        dut.frame_valid.value = 0
+        await bench.edge()
+        bench.check("refused", bool(dut.refused.value), size != (3, 1), None, size)
+        bench.check("frame_ready", bool(dut.frame_ready.value), size != (3, 1), None, size)
+    # A reset amid a frame.
+    await bench.reset()
+    await bench.edge()
+    bench.check("frame_ready after reset", bool(dut.frame_ready.value), True)
+    bench.check("edge_valid after reset", bool(dut.edge_valid.value), False)
+    bench.finish(at_least=14)

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture memory against its model: pixels anywhere, reads at any time, clears amid pixels."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.golden.common.block_ram import BlockRam
+
+PIXEL = ("x", "y", "value")
+INPUTS = (
+    "clear",
+    "clear_value",
+    "pixel_valid",
+    *(f"pixel_{n}" for n in PIXEL),
+    "read_enable",
+    "read_address",
+)
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``framebuffer``."""
+
+    width: int = 20
+    height: int = 12
+    coord_bits: int = 6
+    value_bits: int = 24
+    single_port: int = 0
+
+
+CONFIGS = [
+    Config(),
+    Config(width=8, height=8, coord_bits=3, value_bits=1),
+    Config(width=1, height=1, value_bits=8),
+    Config(value_bits=8, single_port=1),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_framebuffer(config: Config) -> None:
+    simulate("framebuffer", config)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(pixels=list(SPEEDS), reads=list(SPEEDS))
+async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
+    bench = Bench(dut, Config, f"every_cycle {pixels} {reads}")
+    config = bench.config
+    words = config.width * config.height
+    await bench.start(*INPUTS)
+    # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
+    offers, looks = SPEEDS[pixels](bench.draw), SPEEDS[reads](bench.draw)
+    memory = BlockRam(5 - 3 * config.single_port)
+    memory.fill(0, words)
+    # Pixels are readable three cycles after they are accepted; one being written may read as anything.
+    coming: deque[list[tuple[int, int, int]]] = deque([[], []])
+    busy, was_busy = words, True
+    for index in range(words + 1600):
+        offered = None
+        if next(offers):
+            offered = [bench.bits(config.coord_bits), bench.bits(config.coord_bits)]
+            if bench.chance(0.8):
+                offered = [offered[0] % config.width, offered[1] % config.height]
+            offered.append(bench.bits(config.value_bits))
+        clear = bench.chance(0.002) or index == words + 50
+        value = bench.bits(config.value_bits)
+        address = bench.draw.randrange(words)
+        if coming[0] and bench.chance(0.7):
+            x, y, _ = coming[0][0]
+            if x < config.width and y < config.height:
+                address = y * config.width + x
+        look = next(looks)
+        dut.pixel_valid.value = int(offered is not None)
+        for name, word in zip(PIXEL, offered or (0, 0, 0), strict=True):
+            getattr(dut, f"pixel_{name}").value = word
+        dut.clear.value, dut.clear_value.value = int(clear), value
+        dut.read_enable.value, dut.read_address.value = int(look), address
+        await bench.edge()
+        bench.check("busy", bool(dut.busy.value), busy > 0, index)
+        bench.check("pixel_ready", bool(dut.pixel_ready.value), busy == 0, index)
+        if memory.read_data is not None:
+            bench.check("read_value", int(dut.read_value.value), memory.read_data, index)
+        write = None
+        for x, y, pixel in coming.popleft():
+            if x < config.width and y < config.height:
+                write = (y * config.width + x, pixel)
+        memory.clock(write, address if look else None)
+        # The fill's last word is written in the cycle after it, at the latest.
+        if look and (busy > 0 or was_busy):
+            memory.fetched[0] = None
+        if config.single_port and (busy > 0 or write is not None):
+            memory.fetched[0] = None
+        was_busy = busy > 0
+        coming.append([tuple(offered)] if offered is not None and busy == 0 else [])
+        if busy == 0 and clear:
+            # Those on their way are written first, so the fill may cover them at once here.
+            pixels_ahead = [pixel for some in coming for pixel in some]
+            on_screen = [p for p in pixels_ahead if p[0] < config.width and p[1] < config.height]
+            waits = max(
+                (3 - 1 - age for age, some in enumerate(reversed(coming)) if set(some) & set(on_screen)),
+                default=0,
+            )
+            busy = words + 1 + waits
+            coming = deque([[], []])
+            memory.fill(value, words)
+        elif busy > 0:
+            busy -= 1
+    bench.finish(at_least=3000)

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The monitor's words against the model: whole frames, scanlines that could not be fetched, pulses."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import cocotb
+import numpy as np
+import pytest
+
+from cocotb_tests.support.bench import Bench
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.golden.common.block_ram import BlockRam
+from quadshade.golden.screen.scan_out import Timing, frame_words
+
+SMALL = Timing(24, 2, 3, 4, 18, 1, 2, 3)
+LATENCY = 7
+"""Pixels from a place of the frame to its words."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``scan_out``."""
+
+    width: int = 8
+    height: int = 6
+    num_channels: int = 3
+    read_stages: int = 5
+    clocks_per_pixel: int = 4
+    columns: int = SMALL.columns
+    column_front: int = SMALL.column_front
+    column_sync: int = SMALL.column_sync
+    column_back: int = SMALL.column_back
+    lines: int = SMALL.lines
+    line_front: int = SMALL.line_front
+    line_sync: int = SMALL.line_sync
+    line_back: int = SMALL.line_back
+
+    @property
+    def timing(self) -> Timing:
+        """Columns and lines of a frame."""
+        return Timing(**{name: value for name, value in asdict(self).items() if name in asdict(SMALL)})
+
+
+CONFIGS = [
+    Config(),
+    Config(num_channels=1, read_stages=3, clocks_per_pixel=5),
+    Config(width=24, height=18),
+    Config(width=4, height=3),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_scan_out(config: Config) -> None:
+    simulate("scan_out", config)
+
+
+class Monitor:
+    """A device under test, the memory that it reads, and the words that came."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench, self.timing = bench, bench.config.timing
+        self.memory = BlockRam(bench.config.read_stages)
+        self.words: list[tuple[int, ...]] = []
+
+    def paint(self) -> np.ndarray:
+        """Another picture in the memory, of any bytes."""
+        config = self.bench.config
+        shape = (config.height, config.width, config.num_channels)
+        picture = self.bench.rng.integers(0, 256, shape, np.uint8)
+        for address, pixel in enumerate(picture.reshape(-1, config.num_channels)):
+            self.memory.words[address] = int.from_bytes(pixel.tobytes(), "little")
+        return picture
+
+    async def cycle(self, may_read: bool = True) -> None:
+        """One clock; others have the memory if not `may_read`."""
+        dut, bench = self.bench.dut, self.bench
+        dut.may_read.value = int(may_read)
+        dut.read_value.value = self.memory.read_data or 0
+        await bench.edge()
+        if dut.word_next.value:
+            word = int(dut.words.value)
+            self.words.append(tuple(word >> 10 * lane & 0x3FF for lane in range(3)))
+        address = bench.draw.randrange(len(self.memory.words))
+        if dut.reads.value:
+            bench.check("reads only where it may", may_read, True)
+            address = int(dut.read_address.value)
+            bench.check("address is of the picture", address < len(self.memory.words), True, address)
+        self.memory.clock(None, address)
+
+    async def until(self, frames: int, line: int, chance: float = 0.0) -> None:
+        """Up to the first word of a line of a frame; now and then others read for a while."""
+        pixels = (frames * self.timing.all_lines + line) * self.timing.all_columns
+        waits = 0
+        while len(self.words) < LATENCY + pixels:
+            if chance and not waits and self.bench.chance(chance):
+                waits = self.bench.draw.randrange(1, 400)
+            waits = max(waits - 1, 0)
+            await self.cycle(may_read=waits == 0)
+
+    def lines(self, frame: int) -> list[list[tuple[int, ...]]]:
+        """Words of a frame, line by line."""
+        return split(
+            self.words[LATENCY + frame * self.timing.all_columns * self.timing.all_lines :], self.timing
+        )
+
+
+def split(words: list[tuple[int, ...]], timing: Timing) -> list[list[tuple[int, ...]]]:
+    """Words of one frame, line by line."""
+    step = timing.all_columns
+    return [words[begin : begin + step] for begin in range(0, timing.all_lines * step, step)]
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+async def whole_frames(dut: Any) -> None:
+    bench = Bench(dut, Config, "whole_frames")
+    await bench.start("may_read", "read_value")
+    monitor, config = Monitor(bench), bench.config
+    blank_line = config.timing.lines + 1
+    picture = monitor.paint()
+    for frame in range(3):
+        await monitor.until(frame, blank_line)
+        following = monitor.paint()
+        await monitor.until(frame + 1, 0)
+        if frame == 0:
+            # The first scanline is fetched in the last line of the frame before.
+            picture = np.concatenate([np.zeros_like(picture[:1]), picture[1:]])
+        expected = split(list(frame_words(picture, config.timing)), config.timing)
+        for line, (words, right) in enumerate(zip(monitor.lines(frame), expected, strict=True)):
+            bench.check("words of a line", words, right, (frame, line))
+        picture = following
+    bench.finish(at_least=60)
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+async def others_read(dut: Any) -> None:
+    """A scanline that could not be fetched whole is black; the next frame is right again."""
+    bench = Bench(dut, Config, "others_read")
+    await bench.start("may_read", "read_value")
+    monitor, timing = Monitor(bench), bench.config.timing
+    picture = monitor.paint()
+    frames = 4
+    await monitor.until(frames, 0, chance=0.002)
+    await monitor.until(frames + 2, 0)
+    right = split(list(frame_words(picture, timing)), timing)
+    black = split(list(frame_words(np.zeros_like(picture), timing)), timing)
+    scale, blacks = timing.columns // bench.config.width, 0
+    for frame in range(frames):
+        lines = monitor.lines(frame)
+        for row in range(bench.config.height):
+            rows = slice(row * scale, (row + 1) * scale)
+            is_black = lines[rows] == black[rows]
+            blacks += is_black
+            bench.check(
+                "a scanline is whole or black", is_black or lines[rows] == right[rows], True, (frame, row)
+            )
+        bench.check("what is not shown", lines[timing.lines :], right[timing.lines :], frame)
+    bench.check("some scanlines were black", 0 < blacks < frames * bench.config.height, True)
+    bench.check("a frame without others", monitor.lines(frames + 1), right)
+    bench.finish(at_least=20)

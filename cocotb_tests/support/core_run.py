@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stream of set-up words through a core, every pixel compared with the model's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import accumulate
+
+import numpy as np
+
+from cocotb_tests.support.bench import Bench, StreamSink, StreamSource
+from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.contract.shade_state import ShadeState
+from quadshade.golden.core.raster_core import EmittedPixel
+from quadshade.golden.core.setup_loader import load_packets
+from quadshade.golden.shade.render_core import draw_scalar
+from tests.support.golden_stimuli import malformed_words, triangle_words
+
+QUIET_CYCLES = 20
+"""How long the core is watched after it says idle."""
+
+PORTS = ("pixel_last", "pixel_y", "pixel_x", "pixel_depth", "pixel_value")
+
+
+def beats_of(words: np.ndarray, formats: Formats) -> list[tuple[int]]:
+    """Beats of a stream of lanes, the first lane lowest."""
+    rows = words.reshape(-1, formats.stream_lanes).tolist()
+    return [(sum(word << (LANE_BITS * lane) for lane, word in enumerate(row)),) for row in rows]
+
+
+def port_words(pixel: EmittedPixel, formats: Formats) -> tuple[int, ...]:
+    """A pixel of the model as it stands at the ports."""
+    bits = formats.value_bits
+    colours = pixel.value[: formats.emitted_channels]
+    value = sum(v << (bits * channel) for channel, v in enumerate(colours))
+    depth = pixel.value[-1] if formats.with_depth else 0
+    return int(pixel.last), pixel.y, pixel.x, depth, value
+
+
+class Run:
+    """
+    One stream of words through the core.
+
+    Parameters
+    ----------
+    bench : Bench
+    words : (m,) uint32
+    offers, takes : iterator of bool
+      Whether to offer the next word, to take a pixel, in each cycle.
+    state : ShadeState, optional
+      Of the shade unit, where there is one.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        words: np.ndarray,
+        offers: Iterator[bool],
+        takes: Iterator[bool],
+        state: ShadeState | None = None,
+    ) -> None:
+        self.bench, dut, formats = bench, bench.dut, bench.config
+        packets = list(load_packets(words.tolist(), formats))
+        self.pixels = draw_scalar(words.tolist(), formats, state)
+        self.expected = [port_words(pixel, formats) for pixel in self.pixels]
+        self.fields = [packet.fields for packet in packets]
+        self.beats = beats_of(words, formats)
+        # Where a packet ends: beats up to there, and the pixels that have come out once the core is idle.
+        drawn = np.bincount([pixel.packet for pixel in self.pixels], minlength=len(packets))
+        ends = accumulate(packet.beats for packet in packets)
+        self.settled = {0: 0} | dict(zip(ends, np.cumsum(drawn).tolist(), strict=True))
+        self.source = StreamSource(dut.setup_valid, dut.setup_ready, [dut.setup_data], self.beats, offers)
+        data = [getattr(dut, port) for port in PORTS]
+        self.sink = StreamSink(bench, dut.pixel_valid, dut.pixel_ready, data, takes)
+
+    async def cycle(self) -> bool:
+        """One clock; true if the core is idle. It must not say so while anything is on its way."""
+        bench = self.bench
+        self.source.drive()
+        self.sink.drive()
+        await bench.edge()
+        idle = bool(bench.dut.idle.value)
+        if idle:
+            accepted = len(self.source.accepted_at)
+            bench.check("pixels out when idle", len(self.sink.words), self.settled.get(accepted), accepted)
+        self.source.sample(bench.cycle)
+        self.sink.sample(bench.cycle)
+        return idle
+
+    async def finish(self) -> None:
+        """Up to the end of the stream, and until nothing more comes."""
+        while not self.source.empty:
+            await self.cycle()
+        while not await self.cycle():
+            pass
+        for _ in range(QUIET_CYCLES):
+            self.bench.check("idle at the end", await self.cycle(), True)
+        bench = self.bench
+        bench.check("beats accepted", len(self.source.accepted_at), len(self.beats))
+        bench.check_all("pixel", self.sink.words, self.expected, self.inputs)
+
+    def inputs(self, index: int) -> str:
+        """What drew a pixel."""
+        packet = self.pixels[index].packet
+        return f"packet {packet} {self.fields[packet]}; pixel is (last, y, x, depth, value)"
+
+    @property
+    def clocks(self) -> int:
+        """First beat accepted to last pixel out, both included; 0 where no pixel came out."""
+        if not self.sink.taken_at:
+            return 0
+        return self.sink.taken_at[-1] - self.source.accepted_at[0] + 1
+
+
+def stimulus(bench: Bench, triangles: int) -> np.ndarray:
+    """Real triangles first, the awkward kinds among them, then packets of nonsense."""
+    formats = bench.config
+    real = triangle_words(formats, bench.rng, triangles)
+    return np.concatenate([real, malformed_words(formats, bench.rng, triangles // 2)])

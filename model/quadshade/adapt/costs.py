@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a picture costs in bytes and clocks, and how far it is from Phong shading."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import Pixels, ScreenTriangles
+from quadshade.engine import draw
+from quadshade.scene.project import Projected
+from quadshade.setup.packet import packet_lanes
+from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.shading.lights import Light
+from quadshade.shading.material import Material
+from quadshade.shading.reference import phong
+
+
+@dataclass(frozen=True)
+class ErrorFigures:
+    """
+    Drawn pixels against Phong shading of the undivided mesh, over every pixel drawn and all channels.
+
+    Attributes
+    ----------
+    largest, rms : float
+      Output units.
+    exceeding : float
+      Share of the pixels in which any channel is off by more than was allowed.
+    """
+
+    largest: float
+    rms: float
+    exceeding: float
+
+
+def pixel_errors(
+    pixels: Pixels,
+    root: np.ndarray,
+    projected: Projected,
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+    formats: Formats | None = None,
+) -> np.ndarray:
+    """
+    How far drawn pixels are from Phong shading.
+
+    Parameters
+    ----------
+    pixels : Pixels
+    root : (n,) int
+      For each drawn triangle, the one of ``projected`` that it is a part of.
+    projected : Projected
+      The undivided mesh.
+    lights, material, formats
+      As for :func:`adapt`.
+
+    Returns
+    -------
+    (m, 3) float64
+      Differences without sign, in output units; the reference is not rounded.
+    """
+    true = phong(projected, root[pixels.triangle], pixels.x, pixels.y, lights, material, formats)
+    return abs(pixels.value - true)
+
+
+def error_figures(errors: np.ndarray, allowed: float = np.inf) -> ErrorFigures:
+    """Figures of (m, 3) errors from :func:`pixel_errors`."""
+    if not errors.size:
+        return ErrorFigures(0.0, 0.0, 0.0)
+    over = (errors > allowed).any(axis=1).mean()
+    return ErrorFigures(float(errors.max()), float(np.sqrt((errors**2).mean())), float(over))
+
+
+def state_bytes(triangles: ScreenTriangles) -> int:
+    """Bytes of the shade unit's state: colours and power tables."""
+    return 0 if triangles.shade is None else 4 * len(triangles.shade.writes())
+
+
+def stream_bytes(triangles: ScreenTriangles, formats: Formats) -> int:
+    """Bytes of the set-up stream and, before it, of the shade unit's state."""
+    primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
+    lanes = packet_lanes(primitives.orders, primitives.header["has_second"], formats)
+    return 4 * int(lanes.sum()) + state_bytes(triangles)
+
+
+def core_clocks(triangles: ScreenTriangles, formats: Formats) -> int:
+    """Clocks that the core takes, from the golden model."""
+    return draw(triangles, formats).stats["clocks"]

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Triangles for what a board is built with: its channels, its orders, with or without depth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from quadshade.contract.formats import LINEAR, ORDER_NAMES, QUADRATIC, Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.errors import QuadshadeError
+from quadshade.shading.sample import widened
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Shares of red, green and blue in grey (ITU-R BT.709)."""
+
+COLOURS = 3
+
+
+def host_formats(formats: Formats) -> Formats:
+    """
+    Formats for which the host shades, whatever the board can: colour, depth, all orders.
+
+    Parameters
+    ----------
+    formats : Formats
+      The board's.
+
+    Returns
+    -------
+    Formats
+    """
+    channels = formats.num_channels if formats.with_shade else COLOURS
+    depth_bits = min(formats.depth_bits, formats.word_width - 2)
+    return replace(formats, num_channels=channels, max_order=QUADRATIC, with_depth=1, depth_bits=depth_bits)
+
+
+def grey(picture: np.ndarray) -> np.ndarray:
+    """(..., 1) float64 luminance of (..., 3) colours."""
+    return picture @ LUMINANCE[:, None]
+
+
+def fit_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[ScreenTriangles, list[str]]:
+    """
+    The triangles with the board's channels and orders.
+
+    Parameters
+    ----------
+    triangles : ScreenTriangles
+    formats : Formats
+      The board's.
+
+    Returns
+    -------
+    ScreenTriangles
+    list of str
+      What the user should know.
+
+    Raises
+    ------
+    QuadshadeError
+      Channels that cannot be made the board's.
+    """
+    notices = []
+    got, wanted = len(triangles.channels), formats.num_channels
+    if triangles.shade is not None and (got != wanted or not formats.with_shade):
+        raise QuadshadeError(
+            f"the triangles have {got} channels for a shade unit, the board"
+            f" {f'{wanted}' if formats.with_shade else 'has none'}",
+            "use a --shading of colours",
+        )
+    if got == COLOURS and wanted == 1:
+        triangles = replace(
+            triangles,
+            samples=np.einsum("c,ncs->ns", LUMINANCE, triangles.samples)[:, None],
+            orders=triangles.orders.max(axis=1, keepdims=True),
+            channels=("grey",),
+        )
+        notices.append("drawn in grey: the board has one channel")
+    elif got == 1 and wanted >= COLOURS:
+        triangles = replace(
+            triangles,
+            samples=np.repeat(triangles.samples, COLOURS, axis=1),
+            orders=np.repeat(triangles.orders, COLOURS, axis=1),
+            channels=("r", "g", "b"),
+        )
+    if len(triangles.channels) < wanted and len(triangles.channels) >= COLOURS:
+        triangles = widened(triangles, wanted)
+    if len(triangles.channels) != wanted:
+        raise QuadshadeError(f"the triangles have {got} channels, the board {wanted}", "give as many")
+    if len(triangles) and triangles.orders.max() > formats.max_order:
+        triangles = _lowered(triangles, formats.max_order)
+        notices.append(f"drawn {ORDER_NAMES[formats.max_order]}: the board's channels are no more")
+    return triangles, notices
+
+
+def _lowered(triangles: ScreenTriangles, order: int) -> ScreenTriangles:
+    """The same triangles with no channel of a higher order; a constant one has the corners' mean."""
+    samples = triangles.samples
+    if order < LINEAR:
+        samples = samples.copy()
+        higher = triangles.orders > order
+        samples[..., 0] = np.where(higher, samples[..., :3].mean(axis=-1), samples[..., 0])
+    return replace(triangles, samples=samples, orders=np.minimum(triangles.orders, order))
+
+
+def painters_order(triangles: ScreenTriangles) -> ScreenTriangles:
+    """The same triangles, farthest centre first; depth is kept."""
+    order = np.argsort(-triangles.depth.sum(axis=1), kind="stable")
+    parts = {name: getattr(triangles, name)[order] for name in ("vertices", "samples", "orders", "depth")}
+    return replace(triangles, **parts)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a board shows: its planes, read back and compared with the golden model's."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from quadshade.board.fallbacks import COLOURS
+from quadshade.contract.protocol import PLANES, plane_bytes
+from quadshade.errors import QuadshadeError
+from quadshade.golden.board import DrawnScreen
+from quadshade.link.planes import read_area, read_picture
+from quadshade.link.session import Session
+
+
+class BoardReader:
+    """The reading half of :class:`quadshade.board.Board`, which has the attributes below."""
+
+    session: Session
+    identity: dict[str, int]
+    width: int
+    height: int
+    _expected: DrawnScreen
+    _ask: Callable[[Callable[[], Any]], Any]
+    _report: Callable[[str, float, float], None]
+
+    def _check_size(self, width: int, height: int) -> None:
+        if width > self.width or height > self.height:
+            raise QuadshadeError(
+                f"the picture has {width}x{height} pixels, the board's screen {self.width}x{self.height}",
+                "draw a smaller one",
+            )
+
+    def read_plane(
+        self, plane: str = "colour", width: int | None = None, height: int | None = None, verify: bool = True
+    ) -> np.ndarray:
+        """
+        Read a plane, or the part of it at the top left.
+
+        Parameters
+        ----------
+        plane : str
+          One of ``protocol.PLANES``: colour, depth, edges_diagonal, edges_eight.
+        width, height : int, optional
+          Of the part; all of it if left out.
+        verify : bool
+          Also ask for the CRC of the whole plane, which must be that of the golden model's.
+
+        Returns
+        -------
+        (height, width, bytes) uint8
+
+        Raises
+        ------
+        QuadshadeError
+          The board has no such plane, or what it shows is not what the golden model predicts.
+        """
+        number = self._plane(plane)
+        width, height = width or self.width, height or self.height
+        self._check_size(width, height)
+
+        def report(done: int, total: int) -> None:
+            self._report("reading", done, total)
+
+        if (width, height) == (self.width, self.height):
+            picture = self._ask(lambda: read_picture(self.session, number, report))
+        else:
+            picture = self._ask(lambda: read_area(self.session, 0, 0, width, height, number, report))
+        if verify:
+            self.verify(plane)
+            if not np.array_equal(picture, self._expected.plane(number)[:height, :width]):
+                raise self._mismatch(plane)
+        return picture
+
+    def read(self, width: int | None = None, height: int | None = None, verify: bool = True) -> np.ndarray:
+        """
+        The picture as RGB, (height, width, 3) uint8; as :meth:`read_plane`.
+
+        One channel is shown grey, of more than three the first three.
+        """
+        return self.as_rgb(self.read_plane("colour", width, height, verify))
+
+    @staticmethod
+    def as_rgb(colour: np.ndarray) -> np.ndarray:
+        """(h, w, 3) of a colour plane (h, w, c)."""
+        return np.repeat(colour, COLOURS, axis=2) if colour.shape[2] == 1 else colour[:, :, :COLOURS]
+
+    def read_depth(
+        self, width: int | None = None, height: int | None = None, verify: bool = True
+    ) -> np.ndarray:
+        """(height, width) uint32 depth, 2**depth_bits - 1 where nothing was drawn; as :meth:`read_plane`."""
+        raw = self.read_plane("depth", width, height, verify)
+        whole = np.zeros((*raw.shape[:2], 4), np.uint8)
+        whole[:, :, : raw.shape[2]] = raw
+        return whole.view("<u4")[:, :, 0]
+
+    def _plane(self, plane: str) -> int:
+        if plane not in PLANES:
+            raise QuadshadeError(f"there is no plane {plane!r}", f"the planes are {', '.join(PLANES)}")
+        number = PLANES.index(plane)
+        if not self.has_plane(plane):
+            raise QuadshadeError(f"the board has no plane {plane}", "build one with it")
+        return number
+
+    def verify(self, plane: str = "colour") -> int:
+        """
+        The CRC-32 of a plane, by the board; it is that of the golden model's plane.
+
+        Raises
+        ------
+        QuadshadeError
+          It is not.
+        """
+        number = self._plane(plane)
+        crc = self._ask(lambda: self.session.frame_crc(number))
+        if crc != zlib.crc32(self._expected.plane(number).tobytes()):
+            raise self._mismatch(plane)
+        return crc
+
+    @staticmethod
+    def _mismatch(plane: str) -> QuadshadeError:
+        return QuadshadeError(
+            f"the board's {plane} is not what the golden model predicts",
+            "the bitstream is another, or the board fails: build it again, and try a lower clock",
+        )
+
+    def has_plane(self, plane: str) -> bool:
+        """Whether the board can read a plane of ``protocol.PLANES``."""
+        return plane in PLANES and bool(plane_bytes(self.identity)[PLANES.index(plane)])

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What host and hardware agree on: formats, packed format, protocol, shade state, triangles. It knows nobody else."""

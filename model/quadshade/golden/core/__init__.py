@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rasteriser core, from set-up words to pixels: a module per unit of ``rtl/core``."""

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words to packets: edges as bit fields, then the channels' planes (``rtl/core/setup_loader.vhd``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from quadshade.contract.formats import LANE_BITS, PLANES, PLANES_OF_ORDER, QUADRATIC, SECTIONS, Formats
+from quadshade.errors import QuadshadeError
+
+
+@dataclass
+class Packet:
+    """
+    What the loader holds when a packet is complete.
+
+    Attributes
+    ----------
+    fields : dict of int
+      Raw value of every bit field of the sections ``edge`` and ``second`` (zero where that was not sent).
+    words : list of list of int
+      Six raw planes a carried channel; planes that were not sent are zero.
+    beats : int
+      Beats the packet took.
+    """
+
+    fields: dict[str, int]
+    words: list[list[int]]
+    beats: int
+
+
+def built_order(group: Sequence[int], formats: Formats) -> int:
+    """Highest order that the channels of a group are built for."""
+    return max(formats.channel_max_order[channel] for channel in group)
+
+
+def load_packets(words: Sequence[int], formats: Formats) -> Iterator[Packet]:
+    """
+    Read packets from the set-up stream.
+
+    Parameters
+    ----------
+    words : sequence of int
+      32-bit lanes, whole beats.
+    formats : Formats
+
+    Yields
+    ------
+    Packet
+
+    Raises
+    ------
+    QuadshadeError
+      The stream ends within a packet.
+    """
+    lanes = formats.stream_lanes
+    position = 0
+
+    def beats(count: int) -> int:
+        """The next beats as one integer, first lane lowest."""
+        nonlocal position
+        end = position + count * lanes
+        if end > len(words):
+            raise QuadshadeError("the set-up stream ends within a packet", "send whole packets")
+        value = sum(int(word) << (LANE_BITS * index) for index, word in enumerate(words[position:end]))
+        position = end
+        return value
+
+    while position < len(words):
+        start = position
+        fields = {}
+        for name, _ in SECTIONS:
+            sent = name == "edge" or fields["has_second"]
+            bits = beats(formats.section_beats(name)) if sent else 0
+            for field, (offset, width) in formats.section(name).items():
+                fields[field] = (bits >> offset) & ((1 << width) - 1)
+        channel_words = [[0] * len(PLANES) for _ in range(formats.carried_channels)]
+        for group in formats.channel_groups:
+            sent_orders = [min((fields["orders"] >> (2 * channel)) & 3, QUADRATIC) for channel in group]
+            order = min(max(sent_orders), built_order(group, formats))
+            for plane in range(PLANES_OF_ORDER[order]):
+                bits = beats(formats.plane_beats)
+                for place, channel in enumerate(group):
+                    word = bits >> (LANE_BITS * formats.word_lanes * place)
+                    channel_words[channel][plane] = word & ((1 << formats.word_width) - 1)
+        yield Packet(fields, channel_words, (position - start) // lanes)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands in their order (``rtl/link/command_executor.vhd``)."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from quadshade.contract.protocol import WORD_BYTES, Opcode, unpack_payload
+from quadshade.golden.link.frame_fifo import FrameFifo
+
+
+class Drawing(Protocol):
+    """What commands act on: the core and the units behind it."""
+
+    def triangles(self, words: list[int]) -> None:
+        """Set-up words, in order; a packet may go on in the next call."""
+
+    def state(self, address: int, value: int) -> None:
+        """A word of the shading state."""
+
+    def clear(self, colour: int) -> None:
+        """Fill the screen, empty the depth."""
+
+    def read(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
+        """``count`` bytes of a plane, which are ``pixels`` pixels."""
+
+    def frame_crc(self, plane: int) -> int:
+        """CRC-32 of a plane."""
+
+    def reset(self) -> None:
+        """Forget a begun packet."""
+
+
+def execute(fifo: FrameFifo, drawing: Drawing) -> tuple[Opcode, int, bytes | int | None]:
+    """
+    The oldest command of a FIFO that has one.
+
+    Returns
+    -------
+    Opcode, int, bytes or int or None
+      The command, its number, and its result: READ's bytes, FRAME_CRC's CRC.
+    """
+    header = fifo.take()
+    opcode, number = Opcode(header & 0xFF), header >> 8 & 0xFF
+    words = [fifo.take() for _ in range((header >> 16) // WORD_BYTES)]
+    fields, _ = unpack_payload(opcode, b"".join(word.to_bytes(WORD_BYTES, "little") for word in words))
+    if opcode is Opcode.TRIANGLES:
+        drawing.triangles(words)
+    elif opcode is Opcode.STATE:
+        for offset, value in enumerate(words[1:]):
+            drawing.state((fields["address"] + offset) % (1 << 32), value)
+    elif opcode is Opcode.CLEAR:
+        drawing.clear(**fields)
+    elif opcode is Opcode.READ:
+        return opcode, number, drawing.read(**fields)
+    else:
+        return opcode, number, drawing.frame_crc(fields["plane"])
+    return opcode, number, None

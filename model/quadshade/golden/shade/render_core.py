@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rasteriser core with the shade unit behind it (``rtl/shade/render_core.vhd``), plain, and fast in numba."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numba
+import numpy as np
+
+from quadshade.contract.formats import (
+    COEFFICIENT_FRAC_BITS,
+    FACTOR_BITS,
+    POWER_BITS,
+    POWER_MANTISSA_BITS,
+    SHADED_COLOURS,
+    Formats,
+)
+from quadshade.contract.shade_state import ShadeState, colour_state, table_entries
+from quadshade.golden.compiled import EmittedPixels, draw_fast
+from quadshade.golden.core import raster_core
+from quadshade.golden.core.raster_core import EmittedPixel
+from quadshade.golden.shade.shade import shade
+
+
+def draw_scalar(
+    words: Sequence[int], formats: Formats, state: ShadeState | None = None
+) -> list[EmittedPixel]:
+    """
+    Draw a stream of set-up words, as ``raster_core.draw_scalar`` does, and shade the pixels.
+
+    Parameters
+    ----------
+    words : sequence of int
+      32-bit lanes, whole packets.
+    formats : Formats
+    state : ShadeState, optional
+      Of the shade unit; if left out, the first three channels are the colour.
+    """
+    pixels = raster_core.draw_scalar(words, formats.core)
+    if not formats.with_shade:
+        return pixels
+    state = colour_state(formats) if state is None else state
+    channels = formats.num_channels
+    return [
+        pixel._replace(value=(*shade(pixel.value[:channels], state, formats), *pixel.value[channels:]))
+        for pixel in pixels
+    ]
+
+
+@numba.njit(cache=True)
+def _power(value, table, lane_bits):
+    """The curve at a lane's value, as ``power_table.power_table``."""
+    fraction_bits = lane_bits - POWER_MANTISSA_BITS - 1
+    far = (np.int64(1) << lane_bits) - 1 - value
+    octave = 0
+    while far >> octave >= 2 << POWER_MANTISSA_BITS:
+        octave += 1
+    shifted = far << (fraction_bits - octave)
+    word = table[(octave << POWER_MANTISSA_BITS) + (shifted >> fraction_bits)]
+    here, there = word & ((1 << POWER_BITS) - 1), word >> POWER_BITS
+    product = (there - here) * (shifted & ((1 << fraction_bits) - 1))
+    return here + ((product + (1 << (fraction_bits - 1))) >> fraction_bits)
+
+
+@numba.njit(cache=True)
+def _shade(value, ambient, coefficients, tables, linear, gated, lane_bits, value_bits):
+    """(n, 3) int32 colours of (n, channels) values, as ``shade.shade``."""
+    channels, specular = len(coefficients), len(tables)
+    diffuse = channels - specular
+    largest = (1 << value_bits) - 1
+    out = np.empty((len(value), SHADED_COLOURS), np.int32)
+    level = np.empty(SHADED_COLOURS, np.int64)
+    for index in range(len(value)):
+        level[:] = ambient
+        for channel in range(channels):
+            part = np.int64(value[index, channel])
+            factor = part << (FACTOR_BITS - lane_bits)
+            number = channel - diffuse
+            if number >= 0:
+                if not linear >> number & 1:
+                    power = _power(part, tables[number], lane_bits)
+                    factor = power << (FACTOR_BITS - POWER_BITS)
+                if gated >> number & 1 and number < diffuse and value[index, number] == 0:
+                    factor = np.int64(0)
+            for colour in range(SHADED_COLOURS):
+                level[colour] += factor * coefficients[channel, colour] >> (FACTOR_BITS - value_bits)
+        for colour in range(SHADED_COLOURS):
+            out[index, colour] = min(level[colour] >> COEFFICIENT_FRAC_BITS, largest)
+    return out
+
+
+def shade_fast(value: np.ndarray, state: ShadeState, formats: Formats) -> np.ndarray:
+    """
+    Colours of many pixels.
+
+    Parameters
+    ----------
+    value : (n, num_channels) int32
+      What the lanes emit.
+    state : ShadeState
+    formats : Formats
+
+    Returns
+    -------
+    (n, 3) int32
+    """
+    tables = np.zeros((formats.num_specular, table_entries(formats)), np.int64)
+    tables[:, : state.tables.shape[1]] = state.tables
+    return _shade(
+        value,
+        state.ambient,
+        state.coefficients,
+        tables,
+        state.linear,
+        state.gated,
+        formats.lane_value_bits,
+        formats.value_bits,
+    )
+
+
+def draw(
+    words: np.ndarray, formats: Formats, state: ShadeState | None = None, stall_period: int = 0
+) -> EmittedPixels:
+    """
+    Draw a stream of set-up words, shade the pixels, and predict the clocks.
+
+    Parameters
+    ----------
+    words : (m,) uint32
+      32-bit lanes, whole packets.
+    formats : Formats
+    state : ShadeState, optional
+      Of the shade unit; if left out, the first three channels are the colour.
+    stall_period : int
+      The sink is not ready in every n-th clock; 0: always ready.
+
+    Returns
+    -------
+    EmittedPixels
+
+    Raises
+    ------
+    QuadshadeError
+      The stream ends within a packet.
+    """
+    drawn = draw_fast(words, formats.core, stall_period, formats.shade_stages)
+    if not formats.with_shade:
+        return drawn
+    state = colour_state(formats) if state is None else state
+    channels = formats.num_channels
+    colours = shade_fast(drawn.value[:, :channels], state, formats)
+    return replace(drawn, value=np.concatenate([colours, drawn.value[:, channels:]], axis=1))

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A packed picture as text."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from itertools import islice
+
+from quadshade.contract.formats import EDGES, ORDER_NAMES, PLANES, PLANES_OF_ORDER, Formats
+from quadshade.contract.packed_format import FIELD_KINDS, FIELD_WIDTHS, packed_fields
+from quadshade.golden.core.setup_loader import Packet, load_packets
+from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.packing.frame_file import FrameFile
+
+
+def summary_lines(frame: FrameFile, name: str) -> Iterator[str]:
+    """What holds for the whole picture."""
+    drawn, line = max(1, frame.triangles), frame.line_bytes()
+    yield f"{name}: {frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets"
+    yield (
+        f"packed: {4 * len(frame.words)} bytes, {line} on the line, {line / drawn:.1f} a triangle;"
+        f" as set-up words {4 * len(frame.set_up_words())}"
+    )
+    yield f"definition: {frame.definition:08x}"
+    yield "generics: " + " ".join(f"{name}={value}" for name, value in frame.formats.generics().items())
+    yield f"clear: {frame.clear_colour:08x}"
+    yield f"crc: picture {frame.crc:08x}" + (
+        f", depth {frame.depth_crc:08x}" if frame.formats.with_depth else ""
+    )
+    for address, words in frame.state:
+        yield f"state: {len(words)} words from address {address} on"
+
+
+def _signed(value: int, bits: int) -> int:
+    """Two's complement."""
+    return value - (1 << bits) if value >> (bits - 1) else value
+
+
+def _field_text(packet: Packet, formats: Formats) -> Iterator[str]:
+    """The fields of a packet, in a line for each edge."""
+    fields = packet.fields
+    bits = {name: (width, fill) for name, width, _, fill in packed_fields(formats)}
+    numbers = {
+        name: fields[name] if fill == "zero" else _signed(fields[name], width)
+        for name, (width, fill) in bits.items()
+    }
+    rows = [numbers["rows_first"] + 2] + [numbers["rows_second"] + 2] * fields["has_second"]
+    flags = [name for name in ("mirror", "fractional") if fields[name]]
+    yield ", ".join([f"  y {numbers['y']}", f"rows {' + '.join(map(str, rows))}", *flags])
+    parts = [kind for kind, _ in FIELD_KINDS if f"major_{kind}" in numbers]
+    for edge in EDGES[: 2 + fields["has_second"]]:
+        yield f"  {edge}: " + ", ".join(f"{part} {numbers[f'{edge}_{part}']}" for part in parts)
+
+
+def _word_text(packet: Packet, formats: Formats) -> Iterator[str]:
+    """The words of a packet, in a line for each channel, in output units."""
+    for channel, (words, frac_bits, most) in enumerate(
+        zip(packet.words, formats.channel_frac_bits, formats.channel_max_order, strict=True)
+    ):
+        order = min(packet.fields["orders"] >> 2 * channel & 3, most)
+        name = "depth" if channel == formats.num_channels else f"channel {channel}"
+        planes = zip(PLANES[: PLANES_OF_ORDER[order]], words, strict=False)
+        values = ((plane, _signed(word, formats.word_width) / 2**frac_bits) for plane, word in planes)
+        yield f"  {name}, {ORDER_NAMES[order]}: " + ", ".join(f"{plane} {value:g}" for plane, value in values)
+
+
+def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
+    """
+    Every packet: where it is, which widths it changes, its fields and words.
+
+    Parameters
+    ----------
+    frame : FrameFile
+    most : int, optional
+      Show no more packets.
+    """
+    unpacker, formats = WordUnpacker(frame.formats), frame.formats
+    kinds = {FIELD_WIDTHS + index: name for index, (name, _) in enumerate(FIELD_KINDS)}
+    held = unpacker.widths
+    shown = None if most is None else min(most, sys.maxsize)
+    for index, (start, end, lanes) in enumerate(islice(unpacker.packets(frame.words), shown)):
+        widths = unpacker.widths
+        changed = [
+            f"{kinds.get(address, address)} {new}"
+            for address, (old, new) in enumerate(zip(held, widths, strict=True))
+            if old != new
+        ]
+        held = widths
+        yield f"packet {index}: bits {start} to {end - 1}, {end - start} bits, {32 * len(lanes)} unpacked"
+        if changed:
+            yield f"  widths: {', '.join(changed)}"
+        (packet,) = load_packets(lanes.tolist(), formats)
+        yield from _field_text(packet, formats)
+        yield from _word_text(packet, formats)

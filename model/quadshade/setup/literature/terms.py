@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Set-up by a method of the literature: T0 to T5 in floating point, then the words of the hardware from them.
+
+With X, Y counted from the origin vertex, ``I = T5 X^2 + T4 X Y + T3 Y^2 + T2 X + T1 Y + T0``, a row step
+(s, 1) and a column step (c, 0) in pixels (Abbas et al., section 5, at pixel centres or along the fractional
+edge):
+
+    dd_row = 2 (T5 s^2 + T4 s + T3)    dd_mixed = 2 T5 s c + T4 c    dd_col = 2 T5 c^2
+    d_row  = G . (s, 1) + dd_row / 2   d_col    = G . (c, 0) - dd_col / 2
+
+with G the gradient at the first pixel. Nothing here mends what a method lost before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from quadshade.errors import QuadshadeError
+from quadshade.setup.edges import COLUMN, FIRST_Y, MAJOR_BOTTOM, MAJOR_TOP, MIRROR, STEP
+from quadshade.setup.literature.methods import fit
+
+SETUPS = ("unit", "abbas", "general", "xshading")
+"""
+``unit``      the unit triangle, set up on the pixel lattice with a bound of its own error: the default
+``abbas``     the printed formulas, the bottom vertex at the origin (Abbas et al., section 3)
+``general``   six equations in six unknowns (Barrera et al., equations 8-11)
+``xshading``  the unit triangle, mid-edge samples with the normals of Barrera et al., equation 27
+"""
+
+# The first pixel's X and Y, the row step's X, the column step's X.
+X0, Y0, ROW_X, COLUMN_X, STEP_FIELDS = range(5)
+
+
+@dataclass(frozen=True)
+class Terms:
+    """
+    Coefficients of triangles.
+
+    Attributes
+    ----------
+    origins : (n,) int64
+      The vertex from which X and Y are counted.
+    values : (n, c, 6) float64
+      T0 to T5 of every carried channel in output units and pixels; not finite where a method divides by zero.
+    """
+
+    origins: np.ndarray
+    values: np.ndarray
+
+
+def fit_terms(method: str, vertices: np.ndarray, samples: np.ndarray, subpixel_bits: int) -> Terms | None:
+    """
+    Coefficients of all channels by one of ``SETUPS``.
+
+    Parameters
+    ----------
+    method : str
+    vertices : (n, 3, 2) int64
+      Sub-pixels.
+    samples : (n, c, 6) float64
+    subpixel_bits : int
+
+    Returns
+    -------
+    Terms or None
+      None for the methods that the lattice's own words are set up by.
+
+    Raises
+    ------
+    QuadshadeError
+      An unknown method.
+    """
+    if method not in SETUPS:
+        raise QuadshadeError(f"there is no set-up {method!r}", f"give one of {', '.join(SETUPS)}")
+    if method in ("unit", "xshading"):
+        return None
+    count, channels = samples.shape[:2]
+    origins = np.zeros(count, dtype=np.int64)
+    if method == "abbas" and count:
+        # y points down: the bottom vertex has the largest.
+        origins = np.argmax(vertices[:, :, 1], axis=1)
+    turned = (origins[:, None] + np.arange(3)) % 3
+    # I12, I13, I23 lie opposite the third, second and first vertex.
+    middles = 5 - turned[:, ::-1]
+    places = np.concatenate([turned, middles], axis=1)[:, None]
+    corners = np.take_along_axis(vertices, turned[:, :, None], axis=1) / 2.0**subpixel_bits
+    six = np.take_along_axis(samples, np.broadcast_to(places, samples.shape), axis=2)
+    repeated = np.repeat(corners, channels, axis=0)
+    return Terms(origins, fit(method, repeated, six.reshape(-1, 6)).reshape(count, channels, 6))
+
+
+@njit(cache=True, error_model="numpy")
+def lattice_steps(corners, origin, head, major, pixel, fractional, steps):
+    """A primitive's first pixel from the origin vertex, and its steps, in pixels (steps written)."""
+    x1, y1 = corners[origin, 0], corners[origin, 1]
+    y = pixel * (2 * head[FIRST_Y] + 1)
+    steps[Y0] = (y - 2 * y1) / (2.0 * pixel)
+    steps[COLUMN_X] = -1.0 if head[MIRROR] else 1.0
+    top, bottom = head[MAJOR_TOP], head[MAJOR_BOTTOM]
+    if fractional and top >= 0:
+        slope = (corners[bottom, 0] - corners[top, 0]) / (corners[bottom, 1] - corners[top, 1])
+        along = (y - 2 * corners[top, 1]) / (2.0 * pixel)
+        steps[X0] = (corners[top, 0] - x1) / pixel + along * slope
+        steps[ROW_X] = slope
+        return
+    column = -1 - major[COLUMN] if head[MIRROR] else major[COLUMN]
+    steps[X0] = (pixel * (2 * column + 1) - 2 * x1) / (2.0 * pixel)
+    steps[ROW_X] = -major[STEP] if head[MIRROR] else major[STEP]
+
+
+@njit(cache=True, error_model="numpy")
+def term_words(terms, steps, scale, half, rows, columns, words):
+    """The six planes of one channel in units of the last place (written); unused planes are zero."""
+    t0, t1, t2, t3, t4, t5 = terms[0], terms[1], terms[2], terms[3], terms[4], terms[5]
+    x, y, s, c = steps[X0], steps[Y0], steps[ROW_X], steps[COLUMN_X]
+    along_x, along_y = 2.0 * t5 * x + t4 * y + t2, 2.0 * t3 * y + t4 * x + t1
+    words[:] = 0.0
+    words[0] = (t5 * x * x + t4 * x * y + t3 * y * y + t2 * x + t1 * y + t0 + half) * scale
+    if rows:
+        words[3] = 2.0 * (t5 * s * s + t4 * s + t3) * scale
+        words[1] = (along_x * s + along_y) * scale + 0.5 * words[3]
+    if columns:
+        words[5] = 2.0 * t5 * c * c * scale
+        words[2] = along_x * c * scale - 0.5 * words[5]
+    if rows and columns:
+        words[4] = (2.0 * t5 * s + t4) * c * scale

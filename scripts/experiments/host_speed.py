@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Speed of the host on one core: set-ups, the path from mesh to packets, the golden model; and its memory.
+
+Everything is measured beside a plain Python loop of the same thing: the same functions with compilation off
+(NUMBA_DISABLE_JIT=1, in a second process), which must give the same words, and the scalar golden model.
+Writes docs/reports/hostspeed.md and hostspeed.json.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import click
+import numpy as np
+from numba import njit
+from rich.console import Console
+from rich.table import Table
+
+from quadshade.contract.formats import QUADRATIC, Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.errors import QuadshadeError
+from quadshade.golden.compiled import draw_fast
+from quadshade.golden.core.raster_core import draw_scalar
+from quadshade.scene import load_scene, parse_camera, project
+from quadshade.setup.literature.methods import METHODS, kernel_arguments
+from quadshade.setup.packet import pack
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.shading import sample
+
+REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "hostspeed.md"
+SCREEN = 1024
+PLAIN_SCENE = "sphere:690"
+PLAIN_TRIANGLES = 200
+SETUPS = 128
+"""Triangles of the set-up methods' measurement, set up over and over: they stay in the innermost cache."""
+SETUP_ROUNDS = 2000
+PAPER = {"abbas": 42.0, "unit_triangle": 40.3, "x_shading": 12.7}
+"""Seconds of 10**8 set-ups, Barrera et al., Table 1 (Abbas, Hast, X-shading)."""
+TARGETS = {
+    "x_shading": 5e6,
+    "ratio": 3.3,
+    "host path": 300e3,
+    "golden model": 20e6,
+    "gibibytes": 4.0,
+}
+STAGES = ("project", "sample", "set up", "pack")
+
+
+def least_seconds(works: Mapping[str, Callable[[], object]], repeats: int) -> dict[str, float]:
+    """
+    Least seconds of processor time that one call of each took (of all threads: more than one would not help).
+
+    They take turns, so that what else the machine does meets all of them.
+    """
+    best = dict.fromkeys(works, float("inf"))
+    for work in works.values():
+        work()
+    for _ in range(repeats):
+        for name, work in works.items():
+            start = time.process_time()
+            work()
+            best[name] = min(best[name], time.process_time() - start)
+    return best
+
+
+def fastest(work: Callable[[], object], repeats: int) -> float:
+    """Least seconds of processor time that one call took."""
+    return least_seconds({"": work}, repeats)[""]
+
+
+def setup_arguments(count: int) -> tuple:
+    """Random triangles with normals up to about 45 degrees apart, for the kernels of ``METHODS``."""
+    rng = np.random.default_rng(1)
+    normals = np.array([0.0, 0.0, 1.0]) + rng.normal(scale=0.25, size=(count, 3, 3))
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    return kernel_arguments(rng.uniform(0, 100, (count, 3, 2)), normals, np.array([0.36, 0.48, 0.80]))
+
+
+@njit
+def again(kernel, rounds, arguments):
+    """Run a kernel of ``METHODS`` many times."""
+    for _ in range(rounds):
+        kernel(*arguments)
+
+
+def setups(rounds: int, repeats: int) -> dict[str, float]:
+    """Set-ups per second of each method."""
+    arguments = setup_arguments(SETUPS)
+    works = {name: partial(again, kernel, rounds, arguments) for name, kernel in METHODS.items()}
+    return {name: SETUPS * rounds / seconds for name, seconds in least_seconds(works, repeats).items()}
+
+
+def host_path(scene: str, cull: bool, repeats: int) -> dict:
+    """Seconds of each stage, and what passed."""
+    formats, mesh = Formats(), load_scene(scene)
+    camera = parse_camera("", mesh)
+    projected = project(mesh, camera, SCREEN, SCREEN, formats, cull)
+    triangles = sample(projected, formats=formats)
+    primitives = setup_triangles(triangles, formats)
+    words = pack(primitives, formats)
+    works = (
+        lambda: project(mesh, camera, SCREEN, SCREEN, formats, cull),
+        lambda: sample(projected, formats=formats),
+        lambda: setup_triangles(triangles, formats),
+        lambda: pack(primitives, formats),
+    )
+    return {
+        "faces": len(mesh),
+        "triangles": len(projected),
+        "packets": len(primitives),
+        "words": hashlib.sha256(words.tobytes()).hexdigest(),
+        "seconds": {stage: fastest(work, repeats) for stage, work in zip(STAGES, works, strict=True)},
+    }
+
+
+def golden_frame(count: int) -> tuple[np.ndarray, Formats]:
+    """Words of random triangles of some 30 pixels, quadratic RGB with depth, on 640 x 480."""
+    rng = np.random.default_rng(1)
+    size = np.array([640, 480])
+    vertices = np.clip(rng.uniform(0, 1, (count, 1, 2)) * size + rng.uniform(-10, 10, (count, 3, 2)), 0, size)
+    formats = Formats(stream_width=128)
+    triangles = ScreenTriangles(
+        *size.tolist(),
+        np.rint(vertices * 256).astype(np.int64),
+        rng.uniform(0, 255, (count, 3, 6)),
+        np.full((count, 3), QUADRATIC),
+        rng.uniform(0, 65535, (count, 3)),
+        ("r", "g", "b"),
+    )
+    return pack(setup_triangles(triangles, formats), formats), formats
+
+
+def golden_model(count: int, repeats: int) -> dict:
+    """Pixels per second of the compiled model, clocks included, and of the scalar one."""
+    words, formats = golden_frame(count)
+    drawn = draw_fast(words, formats)
+    plain_words, _ = golden_frame(PLAIN_TRIANGLES)
+    plain = draw_scalar(plain_words, formats)
+    same = draw_fast(plain_words, formats)
+    if [pixel.value for pixel in plain] != [tuple(value) for value in same.value.tolist()]:
+        raise QuadshadeError("the scalar and the compiled model differ", "this is a bug: please report it")
+    return {
+        "triangles": count,
+        "pixels": len(drawn.x),
+        "clocks": drawn.clocks,
+        "rate": len(drawn.x) / fastest(lambda: draw_fast(words, formats), repeats),
+        "plain": len(plain) / fastest(lambda: draw_scalar(plain_words, formats), 1),
+    }
+
+
+def peak_memory(stacks: int, slices: int) -> dict:
+    """Peak resident memory and wall-clock seconds of ``quadshade render``, every face drawn."""
+    program = (
+        "import resource\nfrom quadshade.cli.main import main\n"
+        "try: main()\nfinally: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        scene, size = f"sphere:{stacks}x{slices}", f"{SCREEN}x{SCREEN}"
+        arguments = [
+            "render",
+            scene,
+            "-o",
+            f"{folder}/out.png",
+            "--engine",
+            "model",
+            "--size",
+            size,
+            "--no-cull",
+        ]
+        start = time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False
+        )
+        seconds = time.perf_counter() - start
+    if done.returncode:
+        raise QuadshadeError(f"quadshade render {scene} failed: {done.stderr.strip()}")
+    return {
+        "scene": scene,
+        "triangles": 2 * slices * (stacks - 1),
+        "gibibytes": int(done.stdout.split()[-1]) / 2**20,
+        "seconds": seconds,
+    }
+
+
+def plain_loops() -> dict:
+    """What the same functions do with compilation off: run in a process of its own."""
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, __file__, "--plain"], env=environment, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise QuadshadeError(f"the plain loops failed: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def measure(scene: str, golden: int, slices: int, repeats: int) -> dict:
+    """All numbers of the report."""
+    plain = plain_loops()
+    compiled = host_path(PLAIN_SCENE, False, 1)
+    if compiled["words"] != plain["host_path"]["words"]:
+        raise QuadshadeError("compiled and plain set-up differ", "this is a bug: please report it")
+    return {
+        "load": round(os.getloadavg()[0], 1),
+        "setups": setups(SETUP_ROUNDS, 4 * repeats),
+        "host_path": {name: host_path(scene, name == "culled", repeats) for name in ("all", "culled")},
+        "golden": golden_model(golden, 2 * repeats),
+        "memory": [peak_memory(stacks, slices) for stacks in (251, 501, 1001)],
+        "plain": plain,
+    }
+
+
+def total_rate(path: dict, what: str = "triangles") -> float:
+    """Triangles (or faces) per second through all stages."""
+    return path[what] / sum(path["seconds"].values())
+
+
+def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A Markdown table."""
+    lines = [header, ("---",) * len(header), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def met(value: float, target: float, most: bool = False) -> str:
+    """A target's cell."""
+    good = value <= target if most else value >= target
+    return f"{'≤' if most else '≥'} {target:,.10g} {'met' if good else 'MISSED'}"
+
+
+def sections(results: dict) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
+    """Title, header and rows of every table of the report."""
+    rates, plain = results["setups"], results["plain"]
+    rows = []
+    for name, rate in rates.items():
+        ratio, paper = rate / rates["abbas"], PAPER["abbas"] / PAPER[name] if name in PAPER else None
+        goal = [met(rate, TARGETS["x_shading"])] if name == "x_shading" else []
+        goal += [met(ratio, TARGETS["ratio"])] if name.startswith("x_shading") else []
+        cells = f"{rate / 1e6:.1f}", f"{ratio:.2f}", f"{paper:.2f}" if paper else ""
+        rows.append((f"`{name}`", *cells, f"{rate / plain['setups'][name]:,.0f}", ", ".join(goal)))
+    header = "method", "million a second", "to Abbas", "Barrera's Table 1", "to a plain loop", "target"
+    found = [("Set-ups", header, rows)]
+
+    path, slow = results["host_path"], plain["host_path"]
+    rows = []
+    for stage in (*STAGES, "whole path"):
+        seconds, slow_seconds = (
+            sum(p["seconds"].values()) if stage == "whole path" else p["seconds"][stage]
+            for p in (path["all"], slow)
+        )
+        rate, slow_rate = path["all"]["triangles"] / seconds, slow["triangles"] / slow_seconds
+        goal = met(rate, TARGETS["host path"]) if stage == "whole path" else ""
+        rows.append((stage, f"{1e6 / rate:.3f}", f"{rate:,.0f}", f"{rate / slow_rate:,.0f}", goal))
+    header = "stage", "µs a triangle", "triangles a second", "to a plain loop", "target"
+    found.append(("Host path", header, rows))
+
+    header = "culling", "faces in", "triangles set up", "packets", "triangles a second", "faces a second"
+    rows = [
+        (
+            {"all": "off", "culled": "on"}[name],
+            *(f"{p[key]:,}" for key in ("faces", "triangles", "packets")),
+            f"{total_rate(p):,.0f}",
+            f"{total_rate(p, 'faces'):,.0f}",
+        )
+        for name, p in path.items()
+    ]
+    found.append(("Faces and triangles", header, rows))
+
+    golden = results["golden"]
+    header = "triangles", "pixels", "clocks predicted", "million pixels a second", "to a plain loop", "target"
+    cells = (
+        f"{golden['triangles']:,}",
+        f"{golden['pixels']:,}",
+        f"{golden['clocks']:,}",
+        f"{golden['rate'] / 1e6:.1f}",
+    )
+    goal = met(golden["rate"] / 1e6, TARGETS["golden model"] / 1e6)
+    found.append(("Golden model", header, [(*cells, f"{golden['rate'] / golden['plain']:,.0f}", goal)]))
+
+    header = "scene", "triangles", "peak GiB", "bytes a triangle", "seconds, start included", "target"
+    first = results["memory"][0]
+    rows = []
+    for run in results["memory"]:
+        more = run["gibibytes"] - first["gibibytes"], run["triangles"] - first["triangles"]
+        slope = f"{more[0] * 2**30 / more[1]:,.0f}" if more[1] else ""
+        cells = (
+            f"{run['scene']}",
+            f"{run['triangles']:,}",
+            f"{run['gibibytes']:.2f}",
+            slope,
+            f"{run['seconds']:.1f}",
+        )
+        rows.append((*cells, met(run["gibibytes"], TARGETS["gibibytes"], most=True)))
+    return [*found, ("Memory", header, rows)]
+
+
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    path = f"`{results['scene']}` on {SCREEN} x {SCREEN}"
+    explained = {
+        "Set-ups": """
+From vertices, normals and a directional light to the six coefficients (`setup/literature/methods.py`),
+counted as in Barrera et al., Table 1: the first three compute and normalise the normals in the middles of
+the edges, as printed (their equations 1-6); `general` solves six equations by elimination. `x_shading` is
+their equation 32; `x_shading_stored` takes Ni · Nj from the mesh, as their section 4 proposes. What three
+square roots and divisions less are worth depends on the processor: theirs was a Pentium 4.
+""",
+        "Host path": f"""
+Transform, light six points, set up and quantise, pack: {path}, quadratic RGB with
+depth, default light and camera, culling off. A triangle counts where it has an area on the screen.
+""",
+        "Faces and triangles": "A triangle that covers no pixel centre is set up, but has no packet.",
+        "Golden model": "640 x 480, quadratic RGB with depth, 128-bit stream; clock prediction included.",
+        "Memory": f"""
+`quadshade render --engine model --no-cull --size {SCREEN}x{SCREEN}`, in a process of its own. Bytes a
+triangle are those beyond the first row.
+""",
+    }
+    head = f"""
+# Host speed
+
+Written by `{results["command"]}`
+(`make hostspeed`). Rates are of one core: the least processor time of several repetitions, compilation not
+counted; the machine's load was {results["load"]}. The plain loop is the same code with compilation off,
+or the scalar golden model, measured in the same run, with the same words and pixels.
+"""
+    parts = [head.strip()]
+    for title, header, rows in sections(results):
+        parts.append(f"## {title}\n{explained[title].strip()}\n\n{table(header, rows)}")
+    return "\n\n".join(parts) + "\n"
+
+
+@click.command()
+@click.option("--scene", default="sphere:317x317", show_default=True, help="Generated mesh of the host path.")
+@click.option("--golden", default=10_000, show_default=True, help="Triangles of the golden model's frame.")
+@click.option("--slices", default=500, show_default=True, help="Slices of the spheres of up to 1001 stacks.")
+@click.option("--repeats", default=7, show_default=True, help="Repetitions, of which the fastest counts.")
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@click.option("--plain", is_flag=True, hidden=True, help="Print what runs with compilation off.")
+def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain: bool) -> None:
+    """Measure the host's speed on one core and write the tables."""
+    if plain:
+        print(json.dumps({"setups": setups(1, 1), "host_path": host_path(PLAIN_SCENE, False, 1)}))
+        return
+    command = f"python -m scripts.experiments.host_speed --scene {scene} --golden {golden} --slices {slices}"
+    command += f" --repeats {repeats}"
+    results = {"command": command, "scene": scene} | measure(scene, golden, slices, repeats)
+    console = Console()
+    console.width = max(console.width, 120)
+    for title, header, rows in sections(results):
+        shown = Table(*header, title=title)
+        for row in rows:
+            shown.add_row(*row)
+        console.print(shown)
+    output.write_text(report(results))
+    output.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except QuadshadeError as problem:
+        print(f"quadshade: error: {problem}", file=sys.stderr)
+        sys.exit(2)

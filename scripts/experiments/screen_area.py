@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""
+Area, block RAM and clock of the units behind the pixel stream, by place-and-route.
+
+Writes docs/reports/screen.md and .json.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+from quadshade.errors import QuadshadeError
+from quadshade.synthesis import find_device, implement
+
+ROOT = Path(__file__).resolve().parents[2]
+REPORT = ROOT / "docs" / "reports" / "screen.md"
+LARGE = {"width": 320, "height": 240}
+SMALL = {"width": 160, "height": 120}
+
+CASES: list[tuple[str, str, dict[str, int]]] = [
+    ("depth_test", "ecp5-85k-6", LARGE),
+    ("framebuffer", "ecp5-85k-6", LARGE),
+    ("read_out", "ecp5-85k-6", LARGE),
+    ("edge_map", "ecp5-85k-6", {"max_width": 320}),
+    ("scan_out", "ecp5-85k-6", {"width": 320}),
+    ("depth_test", "ecp5-25k-6", SMALL),
+    ("framebuffer", "ecp5-25k-6", SMALL),
+    ("framebuffer", "ice40-hx8k", {"width": 96, "height": 64, "value_bits": 8}),
+    ("depth_test", "ice40-hx8k", {"width": 64, "height": 48, "value_bits": 8, "depth_bits": 15}),
+]
+"""Unit, device, generics that are not defaults."""
+
+
+def measure(unit: str, device: str, generics: dict[str, int], seeds: int) -> dict:
+    """One row: what the unit takes, and the median of its clock; without a seed, it is not placed."""
+    result = implement(generics, find_device(device), range(1, seeds + 1), unit)
+    area = result.area
+    return {
+        "unit": unit,
+        "device": device,
+        "generics": generics,
+        "lut4": area.lut4,
+        "ff": area.ff,
+        "bram": area.bram,
+        "dsp": area.dsp,
+        "fmax_mhz": round(result.fmax_mhz, 1) if seeds else None,
+        "critical_path": f"{result.typical.path.source} to {result.typical.path.sink}" if seeds else None,
+    }
+
+
+def write_report(rows: list[dict], seeds: int) -> None:
+    """The report's two files."""
+    lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# The units behind the pixel stream", ""]
+    placed = f"then nextpnr, median of {seeds} seed{'s' * (seeds > 1)}" if seeds else "not placed"
+    lines += [
+        f"Written by `make screen SEEDS={seeds}`: Yosys, {placed}. Generics that are not named have their",
+        "defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../screen.md).",
+        "",
+        "| unit | device | generics | LUT4 | FF | block RAM | multipliers |"
+        + " MHz | limited by |" * bool(seeds),
+        f"| --- | --- | --- | --- | --- | --- | --- |{' --- | --- |' * bool(seeds)}",
+    ]
+    for row in rows:
+        generics = " ".join(f"{name}={value}" for name, value in row["generics"].items())
+        columns = ["lut4", "ff", "bram", "dsp"] + ["fmax_mhz", "critical_path"] * bool(seeds)
+        numbers = " | ".join(str(row[name]) for name in columns)
+        lines.append(f"| {row['unit']} | {row['device']} | {generics} | {numbers} |")
+    for path, text in (
+        (REPORT, "\n".join(lines) + "\n"),
+        (REPORT.with_suffix(".json"), json.dumps({"seeds": seeds, "rows": rows}, indent=2) + "\n"),
+    ):
+        temporary = path.with_suffix(path.suffix + ".tmp")
+        temporary.write_text(text)
+        temporary.replace(path)
+
+
+@click.command(help=__doc__)
+@click.option(
+    "--seeds", type=click.IntRange(0), default=1, show_default=True, help="Runs of nextpnr; 0: none."
+)
+def main(seeds: int) -> None:
+    rows = []
+    try:
+        for unit, device, generics in CASES:
+            rows.append(measure(unit, device, generics, seeds))
+            click.echo(f"{unit} {device} {generics}: {rows[-1]}")
+        write_report(rows, seeds)
+    except (QuadshadeError, OSError) as error:
+        click.echo(f"screen: error: {error}", err=True)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()
