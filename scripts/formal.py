@@ -318,7 +318,7 @@ def write_report(proofs: list[Proof], outcomes: list[Outcome]) -> None:
     second = rows.index("| proof | mutant | in | rejected at |")
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Proofs", ""]
     lines += [
-        "Written by `make formal`; [docs/explanation/formal.md](../formal.md) says what is proved and how.",
+        "Written by `make formal`; [formal.md](../explanation/formal.md) says what is proved and how.",
         "",
     ]
     heads = [

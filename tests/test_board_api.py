@@ -237,7 +237,7 @@ def test_pack_and_replay(tmp_path: Path) -> None:
 
 
 def test_the_documented_example_runs() -> None:
-    text = (ROOT / "docs" / "board_api.md").read_text()
+    text = (ROOT / "docs" / "guide" / "board_api.md").read_text()
     (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

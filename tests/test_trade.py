@@ -239,7 +239,7 @@ def test_cells_stand_in_the_records(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         cells = 100 * formats.max_order + formats.word_width
         return {"lut4": cells, "ff": 1, "bram": 0, "dsp": 0, "carry": 0, "carry_luts": 0}
 
-    monkeypatch.setattr("quadshade.trade.sweep.count_cells", count)
+    monkeypatch.setattr("quadshade.trade.run_sweep.count_cells", count)
     result = sweep(
         View("sphere:168", 32, 32),
         Grid((8, 22), ("flat", "gouraud", "quadratic"), ("none",)),

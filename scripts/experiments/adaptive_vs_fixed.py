@@ -234,7 +234,7 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
         f"{counts['as many bytes, less error']} have as many bytes and less error, {counts['no']} are not.",
         "",
         "Adaptive pictures have colour channels (`quadratic`), cosines (`quadratic-specular`: diffuse and",
-        "specular, the power taken at the pixel, [shade.md](../shade.md)) or the light's parts",
+        "specular, the power taken at the pixel, [shade.md](../explanation/shade.md)) or the light's parts",
         "(`quadratic-lights`: diffuse and specular, without the power); the curve is the best of them. Bytes",
         "are those of the set-up stream and of the shade unit's state where it is used.",
         "",

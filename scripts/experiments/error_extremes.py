@@ -285,8 +285,8 @@ the measured worst error (median over sizes and fractions, {bounded:.1f} in the 
 default.
 """
     dividing = f"""
-Where the bound exceeds {MAX_ERROR} grey levels the host divides the triangle ([setup](../setup.md)): the same
-pixels, more packets, and the clocks compared with those of the same triangles undivided.
+Where the bound exceeds {MAX_ERROR} grey levels the host divides the triangle
+([setup](../explanation/setup.md)): the same pixels, more packets, and the clocks compared with those of the same triangles undivided.
 """
     return "\n\n".join(
         [

@@ -158,7 +158,7 @@ def report(rows: list[dict], speed: dict[str, float]) -> str:
 # Bytes on the line
 
 Written by `make linkbytes`; {WIDTH}x{HEIGHT}, depth in every scene, default lights and material.
-[packing.md](../packing.md) is the format.
+[packing.md](../reference/packing.md) is the format.
 
 Mean bytes of a drawn triangle, everything on the line counted: TRIANGLES frames of at most 1016 bytes with
 COBS, header and CRC. Columns: grey levels that packing may add, {PACK_ERROR:g} by default.

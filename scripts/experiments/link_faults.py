@@ -211,7 +211,7 @@ def write_report(name: str, options: str, lines: list[str], runs: list) -> bool:
         "# Faults on the link",
         "",
         f"Written by `make faults` (`scripts/experiments/link_faults.py {options}`); the wire format is in",
-        "[protocol.md](../protocol.md).",
+        "[protocol.md](../reference/protocol.md).",
         "",
     ]
     (REPORTS / f"{name}.md").write_text("\n".join([*head, *lines, "", summary]) + "\n")

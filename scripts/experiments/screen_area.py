@@ -59,7 +59,7 @@ def write_report(rows: list[dict], seeds: int) -> None:
     placed = f"then nextpnr, median of {seeds} seed{'s' * (seeds > 1)}" if seeds else "not placed"
     lines += [
         f"Written by `make screen SEEDS={seeds}`: Yosys, {placed}. Generics that are not named have their",
-        "defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../screen.md).",
+        "defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../reference/screen.md).",
         "",
         "| unit | device | generics | LUT4 | FF | block RAM | multipliers |"
         + " MHz | limited by |" * bool(seeds),

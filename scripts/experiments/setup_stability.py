@@ -333,7 +333,7 @@ up to a million times ({needles:.2g} levels at most). Of an area of one sub-pixe
 computed this way: {thinnest} grey levels off in float64. **Trust** the unit triangle, in float64; float32
 only where needles are clipped away. The host sends none of these coefficients: it sets words up on the pixel
 lattice, from the first covered pixel and in integers where float64 is too short, and the bound of what it
-sends was {sent:.2g} grey levels at most over all these triangles ([setup](../setup.md)).
+sends was {sent:.2g} grey levels at most over all these triangles ([setup](../explanation/setup.md)).
 """
     return fill(" ".join(text.split()), 110)
 

@@ -83,11 +83,10 @@ def main() -> None:
     reports = ROOT / "docs" / "reports"
     (reports / "shade.json").write_text(json.dumps({"size": SIZE, "rows": rows}, indent=1) + "\n")
     title = "<!-- SPDX-License-Identifier: Apache-2.0 -->\n# Spheres against Phong shading\n\n"
-    about = (
-        f"PSNR in dB, {SIZE}x{SIZE}, 8 bits, default lights; `make shade-table` ([about](../shade.md)).\n\n"
-    )
+    about = f"PSNR in dB, {SIZE}x{SIZE}, 8 bits, default lights; `make shade-table`"
+    about += " ([about](../explanation/shade.md)).\n\n"
     (reports / "shade.md").write_text(f"{title}{about}{table}")
-    page = ROOT / "docs" / "shade.md"
+    page = ROOT / "docs" / "explanation" / "shade.md"
     page.write_text(replace_block(page.read_text(), "shade", table))
     print(table, end="")
 

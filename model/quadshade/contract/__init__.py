@@ -1,2 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What host and hardware agree on: formats, packed format, protocol, shade state, triangles. It knows nobody else."""
+"""
+What host and hardware agree on: formats, packed format, protocol, shade state, triangles.
+
+It imports nothing else of the project but the errors.
+"""

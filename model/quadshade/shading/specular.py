@@ -138,8 +138,9 @@ def sample_specular(
       Middles of edges take their normals from :func:`quadshade.shading.sample.middle_normals`.
     curves : two callables, optional
       What diffuse and specular cosines go through, as
-      :func:`quadshade.contract.shade_state.curve_table` takes them, :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for every
-      channel (``through_tables``). A highlight on the dark side is then not cut. By default the power.
+      :func:`quadshade.contract.shade_state.curve_table` takes them,
+      :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for
+      every channel (``through_tables``). A highlight on the dark side is then not cut. By default the power.
 
     Returns
     -------

@@ -3,7 +3,7 @@
 
 from quadshade.trade.grid import Grid, Point
 from quadshade.trade.pareto import COSTS, mark_pareto, pareto_front
-from quadshade.trade.sweep import Sweep, sweep
+from quadshade.trade.run_sweep import Sweep, sweep
 from quadshade.trade.view import View
 
 __all__ = ["COSTS", "Grid", "Point", "Sweep", "View", "mark_pareto", "pareto_front", "sweep"]

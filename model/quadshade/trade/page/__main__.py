@@ -20,7 +20,7 @@ from quadshade.trade import Grid, View, sweep
 from quadshade.trade.page import build_page
 from quadshade.trade.page.screenshot import take_screenshot
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[4]
 SCENES = ("sphere:374", "sphere:168", "sphere:690", "torus:288")
 FRACTIONS = (8, 12, 16, 22)
 EXPONENT = 50.0

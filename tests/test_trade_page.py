@@ -19,9 +19,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.support.select import Select
 
 from quadshade.errors import QuadshadeError
-from quadshade.trade import page as report
 from quadshade.trade import pareto_front
 from quadshade.trade.grid import DEFAULT_SHADINGS, SUBDIVISIONS, USUAL_SHADINGS
+from quadshade.trade.page import __main__ as report
 from quadshade.trade.page import build_page
 from quadshade.trade.page.papers import BARRERA, SETUPS
 from quadshade.trade.page.screenshot import find_chromium
