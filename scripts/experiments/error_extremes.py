@@ -286,7 +286,8 @@ default.
 """
     dividing = f"""
 Where the bound exceeds {MAX_ERROR} grey levels the host divides the triangle
-([setup](../explanation/setup.md)): the same pixels, more packets, and the clocks compared with those of the same triangles undivided.
+([setup](../explanation/setup.md)): the same pixels, more packets, and the clocks
+compared with those of the same triangles undivided.
 """
     return "\n\n".join(
         [
