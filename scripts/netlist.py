@@ -10,7 +10,8 @@ from pathlib import Path
 
 import click
 
-from quadshade.cli.options import generic_option, parse_generics
+from quadshade.cli.options import generic_option
+from quadshade.contract.formats import parse_generics
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
 

@@ -11,8 +11,8 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from quadshade.cli.options import generic_option, parse_generics
-from quadshade.contract.formats import Formats
+from quadshade.cli.options import generic_option
+from quadshade.contract.formats import Formats, parse_generics
 from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import core_of
 from quadshade.errors import QuadshadeError

@@ -14,9 +14,10 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 
-from quadshade.cli import options
 from quadshade.cli.main import main
+from quadshade.contract.formats import parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.files import atomic
 from quadshade.image import read_picture
 from quadshade.image.compare import psnr
 
@@ -250,13 +251,13 @@ def test_help_and_version_are_there():
 
 
 def test_generics_are_read():
-    assert options.parse_generics(["stream_width=128", "FRAC_BITS= 20"]) == {
+    assert parse_generics(["stream_width=128", "FRAC_BITS= 20"]) == {
         "stream_width": 128,
         "frac_bits": 20,
     }
     for bad in (["a"], ["=3"], ["a=1", "a=2"], ["a=1.5"]):
         with pytest.raises(QuadshadeError):
-            options.parse_generics(bad)
+            parse_generics(bad)
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path):
@@ -268,7 +269,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path):
         raise OSError(28, "No space left on device")
 
     with pytest.raises(QuadshadeError, match="No space left"):
-        options.write_atomically(path, fail)
+        atomic.write_atomically(path, fail)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 

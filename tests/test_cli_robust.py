@@ -16,10 +16,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from quadshade.cli import compiled_loops, options
+from quadshade.cli import compiled_loops
 from quadshade.cli.main import main
-from quadshade.contract.formats import GENERIC_HELP, Formats
+from quadshade.contract.formats import GENERIC_HELP, Formats, parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.files import atomic
 from quadshade.image import read_picture, write_png
 
 TRIANGLE = {"vertices": [[1, 1], [9, 2], [3, 9]], "samples": {"r": [5]}}
@@ -57,14 +58,14 @@ def test_an_input_or_another_output_is_not_overwritten(triangles: Path, tmp_path
 def test_a_link_is_followed_and_a_pipe_is_written_to(tmp_path: Path) -> None:
     (tmp_path / "target").write_text("old")
     (tmp_path / "link").symlink_to(tmp_path / "target")
-    options.write_json(tmp_path / "link", {"a": 1})
+    atomic.write_json(tmp_path / "link", {"a": 1})
     assert (tmp_path / "link").is_symlink()
     assert json.loads((tmp_path / "target").read_text()) == {"a": 1}
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    options.check_writable(pipe, pipe)
-    options.write_json(pipe, {"a": 1})
+    atomic.check_writable(pipe, pipe)
+    atomic.write_json(pipe, {"a": 1})
     assert json.loads(os.read(reader, 100)) == {"a": 1}
     os.close(reader)
     assert pipe.is_fifo()
@@ -78,12 +79,12 @@ def test_a_folder_that_cannot_be_written_is_said_before_the_work(
     folder.mkdir()
     old.touch()
     (tmp_path / "link.png").symlink_to(old)
-    options.check_writable(old, tmp_path / "other.png")
+    atomic.check_writable(old, tmp_path / "other.png")
     real = os.access
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != folder and real(path, mode))
     for path in (old, folder / "new.png", tmp_path / "link.png"):
         with pytest.raises(QuadshadeError, match="cannot write"):
-            options.check_writable(path)
+            atomic.check_writable(path)
 
 
 def test_pixels_may_go_nowhere(triangles: Path) -> None:
@@ -96,7 +97,7 @@ def test_pixels_may_go_nowhere(triangles: Path) -> None:
 @pytest.mark.parametrize("text", ("frac_bits=1_0", "frac_bits=\u0663", "frac_bits=1e1", "frac_bits="))
 def test_a_generic_is_a_plain_decimal_number(text: str) -> None:
     with pytest.raises(QuadshadeError, match="whole number"):
-        options.parse_generics([text])
+        parse_generics([text])
 
 
 def test_the_help_lists_every_generic() -> None:

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 
-from quadshade.contract.formats import Formats
+from quadshade.contract.formats import Formats, parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.scene.key_values import parse_size
 
 LEAST_CLOCKS = 4
 """Fewest clocks of a bit on the line."""
@@ -91,3 +93,37 @@ class BoardSettings:
 def own_names() -> list[str]:
     """Generics that the core does not have."""
     return [one.name for one in fields(BoardSettings) if one.name != "formats"]
+
+
+def board_settings(
+    preset: str | None, screen: str | None, generics: tuple[str, ...], shade: bool = False
+) -> BoardSettings:
+    """
+    Generics of a simulated board from a real one's, a size, and settings.
+
+    Raises
+    ------
+    QuadshadeError
+      An unknown board, a wrong size, or generics that no board has.
+    """
+    settings = BoardSettings()
+    if preset is not None:
+        settings = settings.with_generics(_preset(preset))
+    if shade:
+        settings = settings.with_generics({"with_shade": 1, "num_channels": 2, "num_specular": 1})
+    if screen is not None:
+        width, height = parse_size(screen)
+        settings = settings.with_generics({"screen_width": width, "screen_height": height})
+    return settings.with_generics(parse_generics(generics))
+
+
+def _preset(name: str) -> dict[str, int]:
+    """Generics of a real board, but for its clock."""
+    from quadshade.engine.ghdl import repository_root
+
+    folder = repository_root() / "synth" / "boards"
+    known = sorted(path.stem for path in folder.glob("*.toml"))
+    if name not in known:
+        raise QuadshadeError(f"there is no board {name!r}", f"the boards are {', '.join(known)}")
+    generics = tomllib.loads((folder / f"{name}.toml").read_text()).get("generics", {})
+    return {key: value for key, value in generics.items() if key not in ("clk_frequency_hz", "baud")}

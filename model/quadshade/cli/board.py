@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import signal
-import tomllib
 from pathlib import Path
 
 import click
 
-from quadshade.cli.options import parse_generics
-from quadshade.cli.scene_options import parse_size
+from quadshade.board.settings import board_settings
 from quadshade.errors import QuadshadeError
 
 ENGINES = ("verilator", "ghdl", "model")
@@ -86,39 +84,3 @@ def board(
         )
         simulated.run()
     click.echo("the board has stopped")
-
-
-def board_settings(
-    preset: str | None, screen: str | None, generics: tuple[str, ...], shade: bool = False
-) -> BoardSettings:  # noqa: F821 - imported when it is needed
-    """
-    Generics of a simulated board from a real one's, a size, and settings.
-
-    Raises
-    ------
-    QuadshadeError
-      An unknown board, a wrong size, or generics that no board has.
-    """
-    from quadshade.board.settings import BoardSettings
-
-    settings = BoardSettings()
-    if preset is not None:
-        settings = settings.with_generics(_preset(preset))
-    if shade:
-        settings = settings.with_generics({"with_shade": 1, "num_channels": 2, "num_specular": 1})
-    if screen is not None:
-        width, height = parse_size(screen)
-        settings = settings.with_generics({"screen_width": width, "screen_height": height})
-    return settings.with_generics(parse_generics(generics))
-
-
-def _preset(name: str) -> dict[str, int]:
-    """Generics of a real board, but for its clock."""
-    from quadshade.engine.ghdl import repository_root
-
-    folder = repository_root() / "synth" / "boards"
-    known = sorted(path.stem for path in folder.glob("*.toml"))
-    if name not in known:
-        raise QuadshadeError(f"there is no board {name!r}", f"the boards are {', '.join(known)}")
-    generics = tomllib.loads((folder / f"{name}.toml").read_text()).get("generics", {})
-    return {key: value for key, value in generics.items() if key not in ("clk_frequency_hz", "baud")}

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import click
 
-from quadshade.cli.options import PATH, check_writable, write_atomically
+from quadshade.cli.options import PATH
+from quadshade.files.atomic import check_writable, write_atomically
 
 
 @click.command()

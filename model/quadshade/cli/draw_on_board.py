@@ -9,15 +9,15 @@ from pathlib import Path
 import click
 import numpy as np
 
+from quadshade.board.settings import board_settings
 from quadshade.cli.adapt_options import adapt_note
-from quadshade.cli.board import board_settings
-from quadshade.cli.options import parse_generics, write_atomically, write_json
 from quadshade.cli.port_options import PortChoice, is_given, opened
 from quadshade.cli.scene_options import PHONG, SceneChoice, progress, shade_scene, show_scene
 from quadshade.cli.style_on_board import can_draw_gbuffer, style_on_board
 from quadshade.cli.style_options import StyleChoice, styled_scene
-from quadshade.contract.formats import Formats
+from quadshade.contract.formats import Formats, parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_atomically, write_json
 from quadshade.files.triangle_file import open_triangles
 from quadshade.image import write_png
 from quadshade.shading.specular import SPECULAR_ORDERS

@@ -11,16 +11,10 @@ import numpy as np
 
 from quadshade.cli.adapt_options import adapt_note
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import GENERICS_EPILOG, PATH, check_writable, write_atomically
-from quadshade.cli.scene_options import (
-    PHONG,
-    SceneChoice,
-    progress,
-    scene_options,
-    shade_scene,
-    show_scene,
-)
+from quadshade.cli.options import GENERICS_EPILOG, PATH
+from quadshade.cli.scene_options import PHONG, SceneChoice, progress, scene_options, shade_scene, show_scene
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import check_writable, write_atomically
 
 
 class PackError(click.ParamType):

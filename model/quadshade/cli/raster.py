@@ -11,20 +11,18 @@ import numpy as np
 from quadshade.cli.options import (
     GENERICS_EPILOG,
     PATH,
-    check_writable,
     engine_option,
     generic_option,
-    parse_generics,
     stats_option,
     waves_option,
-    write_atomically,
-    write_json,
 )
 from quadshade.cli.port_options import PortChoice, on_board, port_options
 from quadshade.cli.setup_options import SAMPLED, setup_options, undefined_note
+from quadshade.contract.formats import parse_generics
 from quadshade.contract.triangles import Pixels
 from quadshade.engine import default_engine, draw
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import check_writable, write_atomically, write_json
 from quadshade.files.triangle_file import open_triangles
 
 

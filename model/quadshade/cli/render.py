@@ -11,16 +11,7 @@ import numpy as np
 
 from quadshade.cli.adapt_options import adapt_report
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import (
-    GENERICS_EPILOG,
-    PATH,
-    check_writable,
-    engine_option,
-    stats_option,
-    waves_option,
-    write_atomically,
-    write_json,
-)
+from quadshade.cli.options import GENERICS_EPILOG, PATH, engine_option, stats_option, waves_option
 from quadshade.cli.pack import pack_error_option
 from quadshade.cli.port_options import PortChoice, on_board, port_options
 from quadshade.cli.scene_options import (
@@ -36,6 +27,7 @@ from quadshade.cli.scene_options import (
 from quadshade.cli.setup_options import undefined_note
 from quadshade.cli.style_options import StyleChoice, draw_style, style_options, styled_choice, styled_scene
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import check_writable, write_atomically, write_json
 
 if TYPE_CHECKING:
     from quadshade.contract.formats import Formats

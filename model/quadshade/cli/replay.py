@@ -7,9 +7,10 @@ from pathlib import Path
 
 import click
 
-from quadshade.cli.options import PATH, check_writable, engine_option, write_atomically
+from quadshade.cli.options import PATH, engine_option
 from quadshade.cli.port_options import PortChoice, opened, port_options
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import check_writable, write_atomically
 
 
 @click.command()

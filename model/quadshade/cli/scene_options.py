@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -14,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from quadshade.cli.adapt_options import adapt_options, adapted_to, check_adaptive
-from quadshade.cli.options import generic_option, parse_generics
+from quadshade.cli.options import generic_option
 from quadshade.cli.port_options import is_given
 from quadshade.cli.setup_options import SETUPS, check_method, setup_options
-from quadshade.contract.formats import CONSTANT, Formats
+from quadshade.contract.formats import CONSTANT, Formats, parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.scene.key_values import parse_background, parse_size
 from quadshade.shading.sample import SHADING_ORDERS, widened
 from quadshade.shading.specular import SPECULAR_ORDERS, UnsuitedError, sample_specular, specular_formats
 
@@ -262,26 +262,6 @@ def _check_colours(formats: Formats) -> None:
     got = formats.num_channels
     if got < COLOUR_CHANNELS or (got > COLOUR_CHANNELS and not formats.with_shade):
         raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {COLOUR_CHANNELS}")
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Width and height of ``WxH``."""
-    match = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", text.strip())
-    if not match:
-        raise QuadshadeError(f"the size is {text!r}", "write WIDTHxHEIGHT, e.g. 640x480")
-    return int(match[1]), int(match[2])
-
-
-def parse_background(text: str) -> tuple[int, int, int]:
-    """8-bit background of one or three numbers from 0 to 1."""
-    try:
-        numbers = [float(number) for number in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (1, 3) or not all(0 <= number <= 1 for number in numbers):
-        raise QuadshadeError(f"the background is {text!r}", "give one or three numbers from 0 to 1")
-    levels = tuple(round(255 * number) for number in numbers)
-    return levels * 3 if len(levels) == 1 else levels
 
 
 @contextmanager

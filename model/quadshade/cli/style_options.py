@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from quadshade.cli.options import PATH, parse_generics, write_atomically
-from quadshade.contract.formats import Formats
+from quadshade.cli.options import PATH
+from quadshade.contract.formats import Formats, parse_generics
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_atomically
 from quadshade.shading.specular import SPECULAR_ORDERS
 from quadshade.style.illustrate import TOON_STEPS
 

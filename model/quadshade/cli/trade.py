@@ -3,20 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import GENERICS_EPILOG, generic_option, parse_generics
+from quadshade.cli.options import GENERICS_EPILOG, generic_option
 from quadshade.cli.render import render
-from quadshade.cli.scene_options import parse_size
-from quadshade.contract.formats import Formats
+from quadshade.contract.formats import Formats, parse_generics
 from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
+from quadshade.scene.key_values import parse_size
 
 if TYPE_CHECKING:
     from quadshade.trade import Sweep
@@ -112,6 +111,7 @@ def trade(
     with leave_at_once():
         from quadshade.trade import Grid, View, sweep
         from quadshade.trade.grid import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
+        from quadshade.trade.progress import progress_bars
 
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
@@ -124,25 +124,6 @@ def trade(
     with progress_bars() as progress:
         result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)
     _say(result, output)
-
-
-@contextmanager
-def progress_bars() -> Iterator[Callable[[str, int, int], None]]:
-    """A bar on stderr for each kind of work, where that is a terminal."""
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bars:
-        tasks = {}
-
-        def tell(kind: str, done: int, total: int) -> None:
-            if kind not in tasks:
-                tasks[kind] = bars.add_task(kind)
-            bars.update(tasks[kind], completed=done, total=total)
-
-        yield tell
 
 
 def _say(result: Sweep, output: Path) -> None:

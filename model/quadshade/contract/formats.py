@@ -8,6 +8,8 @@ expression over the names of :class:`Formats`, written so that it means the same
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from numbers import Integral
@@ -317,3 +319,38 @@ def _evaluate(formats: Formats, expression: str) -> int:
     for derived, text, _ in DERIVED:
         names[derived] = eval(text.replace("/", "//"), {}, names)
     return eval(expression.replace("/", "//"), {}, names)
+
+
+def parse_generics(values: Iterable[str]) -> dict[str, int]:
+    """
+    Values of ``--generic`` as a dictionary for :meth:`Formats.with_generics`.
+
+    Parameters
+    ----------
+    values : iterable of str
+      ``name=value``, the value a decimal integer.
+
+    Returns
+    -------
+    dict of str to int
+
+    Raises
+    ------
+    QuadshadeError
+      No ``=``, a value that is no integer, or a name given twice. Whether the core has such a generic is
+      checked by ``with_generics``.
+    """
+    settings: dict[str, int] = {}
+    for text in values:
+        name, equals, value = text.partition("=")
+        name = name.strip().lower()
+        if not equals or not name:
+            raise QuadshadeError(
+                f"--generic {text!r} is not name=value", "write for example stream_width=128"
+            )
+        if name in settings:
+            raise QuadshadeError(f"generic {name} is given twice", "give it once")
+        if not re.fullmatch(r"\s*[+-]?[0-9]{1,18}\s*", value):
+            raise QuadshadeError(f"generic {name} is {value[:40]!r}", "give a whole number")
+        settings[name] = int(value)
+    return settings

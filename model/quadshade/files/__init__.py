@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles and shade state on disk."""
+"""Files: triangles and shade state on disk, and writing that leaves no half file."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 from quadshade.errors import QuadshadeError
@@ -76,3 +77,23 @@ def _value(values: list[str], where: str, sizes: tuple[int, ...]) -> tuple[float
         wanted = " or ".join(str(size) for size in sizes)
         raise QuadshadeError(f"{where} has {len(numbers)} numbers", f"give {wanted}")
     return numbers
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height of ``WxH``."""
+    match = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", text.strip())
+    if not match:
+        raise QuadshadeError(f"the size is {text!r}", "write WIDTHxHEIGHT, e.g. 640x480")
+    return int(match[1]), int(match[2])
+
+
+def parse_background(text: str) -> tuple[int, int, int]:
+    """8-bit background of one or three numbers from 0 to 1."""
+    try:
+        numbers = [float(number) for number in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(0 <= number <= 1 for number in numbers):
+        raise QuadshadeError(f"the background is {text!r}", "give one or three numbers from 0 to 1")
+    levels = tuple(round(255 * number) for number in numbers)
+    return levels * 3 if len(levels) == 1 else levels

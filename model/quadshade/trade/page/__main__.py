@@ -14,11 +14,11 @@ from pathlib import Path
 
 import click
 
-from quadshade.cli.trade import progress_bars
 from quadshade.errors import QuadshadeError
 from quadshade.trade import Grid, View, sweep
 from quadshade.trade.page import build_page
 from quadshade.trade.page.screenshot import take_screenshot
+from quadshade.trade.progress import progress_bars
 
 ROOT = Path(__file__).resolve().parents[4]
 SCENES = ("sphere:374", "sphere:168", "sphere:690", "torus:288")

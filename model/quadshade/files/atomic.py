@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files are written whole or not at all: beside the old one first, then moved into its place."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from quadshade.errors import QuadshadeError
+
+
+def _is_device(path: Path) -> bool:
+    """Whether a path is a device or a pipe: something to write to, not to replace."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
+    """
+    Fail before the work, not after it: raise :class:`QuadshadeError` where a file cannot be written.
+
+    Parameters
+    ----------
+    *paths : Path or None
+      Files that the command will write, all different.
+    inputs : iterable of Path
+      Files that it reads, which it must not overwrite.
+    """
+    taken = {os.path.realpath(path): "is read as well" for path in inputs}
+    for path in paths:
+        if path is None or (_is_device(path) and os.access(path, os.W_OK)):
+            continue
+        folder = path.parent
+        if not folder.is_dir():
+            raise QuadshadeError(f"cannot write {path}: there is no folder {folder}", "make it first")
+        place = os.path.realpath(path)
+        # The file is made beside the old one, which it then takes the place of.
+        needed = [os.path.dirname(place), *([path] if path.exists() else [])]
+        if path.is_dir() or not all(os.access(one, os.W_OK) for one in needed):
+            raise QuadshadeError(f"cannot write {path}", "choose another path")
+        if place in taken:
+            raise QuadshadeError(f"cannot write {path}: it {taken[place]}", "choose another path")
+        taken[place] = "is given for two outputs"
+
+
+def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
+    """
+    Let ``write`` fill a temporary file beside ``path``, then move it there, so that no half file remains.
+
+    A link stays one, and the file that it points to is replaced; a device or a pipe is written directly.
+
+    Parameters
+    ----------
+    path : Path
+    write : callable
+      Gets the temporary path, which has the suffix of ``path``; what it returns is not used.
+
+    Raises
+    ------
+    QuadshadeError
+      The file cannot be written.
+    """
+    temporary = None
+    try:
+        if _is_device(path):
+            with tempfile.TemporaryDirectory() as folder:
+                filled = Path(folder) / path.name
+                write(filled)
+                path.write_bytes(filled.read_bytes())
+            return
+        path = Path(os.path.realpath(path))
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
+        os.close(handle)
+        temporary = Path(name)
+        write(temporary)
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)
+        temporary.replace(path)
+    except OSError as error:
+        raise QuadshadeError(
+            f"cannot write {path}: {error.strerror or error}", "choose another path"
+        ) from None
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write UTF-8 text atomically; raises :class:`QuadshadeError` where it cannot."""
+
+    def write(temporary: Path) -> None:
+        temporary.write_text(text, encoding="utf-8")
+
+    write_atomically(path, write)
+
+
+def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
+    """Write ``content`` as indented JSON, atomically; raises :class:`QuadshadeError` where it cannot."""
+    write_text(path, json.dumps(content, indent=2) + "\n")
