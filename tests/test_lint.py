@@ -123,16 +123,45 @@ def test_vhdl_header(stem: str) -> None:
     assert re.search(r"Latency: \S", header)
 
 
+def folders_of(root: Path, prefix: str = "") -> dict[str, str]:
+    """The folder below a root of every Python file, by the file's stem without a prefix."""
+    files = (path for path in root.rglob(f"{prefix}*.py") if path.name != "__init__.py")
+    return {path.stem.removeprefix(prefix): str(path.parent.relative_to(root)) for path in files}
+
+
 def test_layout_stems() -> None:
-    """An entity, its model, its test and its row in the folder's README carry the same name."""
-    entities = rtl_entities()
-    models = {path.stem for path in (ROOT / "model" / "quadshade" / "golden").rglob("*.py")}
-    tests = {path.stem.removeprefix("test_") for path in (ROOT / "cocotb_tests").rglob("test_*.py")}
-    rows = re.findall(r"^\| \[?`(\w+)(?:\.vhd)?`", (ROOT / "rtl" / "README.md").read_text(), re.MULTILINE)
-    assert entities - models == set(), "entities without a model in model/quadshade/golden"
-    assert entities - tests == set(), "entities without a test in cocotb_tests"
-    assert set(rows) - {path.stem for path in rtl_files()} == set(), "rows of rtl/README.md without a file"
-    assert entities - set(rows) == set(), "entities without a row in rtl/README.md"
+    """An entity, its model, its test and its row in a README lie in folders of the same name."""
+    units = {path.stem: str(path.parent.relative_to(ROOT / "rtl")) for path in rtl_files()}
+    entities = {stem: folder for stem, folder in units.items() if stem in rtl_entities()}
+    models = folders_of(ROOT / "model" / "quadshade" / "golden")
+    tests = folders_of(ROOT / "cocotb_tests", "test_")
+    # A board's test is beside those of the tops in synth/boards.
+    homes = entities | {stem: "boards" for stem, folder in entities.items() if folder == "."}
+    assert {stem: models.get(stem) for stem in entities} == entities, "no model in golden's same folder"
+    assert {stem: tests.get(stem) for stem in homes} == homes, "no test in cocotb_tests' same folder"
+    rows = [
+        (row, str(page.parent.relative_to(ROOT / "rtl")))
+        for page in (ROOT / "rtl").rglob("README.md")
+        for row in re.findall(r"^\| `(\w+)` \|", page.read_text(), re.MULTILINE)
+    ]
+    assert sorted(rows) == sorted(units.items()), "rows of rtl/*/README.md against the files beside them"
+
+
+@pytest.mark.parametrize(
+    "root", ["rtl", "cocotb_tests", "formal", "model/quadshade", "synth", "sim", "tests"]
+)
+def test_folders_say_what_is_in_them(root: str) -> None:
+    """The README of a folder has a row for each folder in it, and rows only for what is there."""
+    home = ROOT / root
+    rows = re.findall(r"^\| (.+?) \|", (home / "README.md").read_text(), re.MULTILINE)
+    names = {name for row in rows for name in re.findall(r"`([\w.*]+)`", row)}
+    folders = {
+        path.relative_to(home).parts[0] for path in tracked_files() if path.parent.is_relative_to(home)
+    }
+    folders = {name for name in folders if (home / name).is_dir()}
+    assert folders - names == set(), "folders without a row"
+    gone = [name for name in names if not any(home.glob(name)) and not (home / f"{name}.vhd").is_file()]
+    assert not gone, "rows without a file"
 
 
 def test_file_list_is_complete() -> None:
