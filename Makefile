@@ -5,6 +5,7 @@ GHDL ?= ghdl
 # Debian's ghdl takes this back end when it is installed, else the one it finds.
 GHDL_BACKEND ?= llvm
 SEED ?= 1
+TESTS ?=
 JOBS ?= 2
 export PYTHON GHDL GHDL_BACKEND
 export QUADSHADE_SEED := $(SEED)
@@ -32,8 +33,8 @@ demo: setup ## draw the six spheres through the VHDL, check every pixel, write b
 	@$(VENV) -m scripts.demo
 
 .PHONY: test
-test: setup ## run every test; T=name selects, SEED=n sets the seed, WAVES=1 keeps waveforms
-	@$(PYTEST) $(if $(T),-k '$(T)')
+test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed, WAVES=1 keeps waves
+	@$(PYTEST) $(TESTS) $(if $(T),-k '$(T)')
 
 .PHONY: lint
 lint: setup ## check style, file hygiene, generated files and that the RTL analyses and synthesises

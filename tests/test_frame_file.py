@@ -158,7 +158,7 @@ def test_any_words_are_read_or_refused(words: list[int], width: int, height: int
 
 
 def test_other_formats_and_versions_are_said(frame: FrameFile, content: bytes) -> None:
-    with pytest.raises(QuadshadeError, match="made for other formats, 00000001"):
+    with pytest.raises(QuadshadeError, match=r"is of no known release \(00000001\), this is "):
         decode_frame_file(encode_frame_file(replace(frame, definition=1)))
     with pytest.raises(QuadshadeError, match="no .qs file"):
         decode_frame_file(b"\x89PNG\r\n\x1a\n" + content)

@@ -20,6 +20,7 @@ from quadshade.contract.protocol import (
     pack_payload,
     unpack_payload,
 )
+from quadshade.contract.releases import other_release
 from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.transport import Transport
 
@@ -220,12 +221,12 @@ class Exchange:
         if identity["version"] != VERSION:
             raise LinkError(
                 f"the board speaks version {identity['version']} of the protocol, this host {VERSION}",
-                "use the bitstream and the host of the same release",
+                "use the bitstream and the host of one release",
             )
         if identity["definition"] != definition_hash():
             raise LinkError(
-                f"the board has other formats: {identity['definition']:08x}, here {definition_hash():08x}",
-                "build the bitstream from the same checkout",
+                other_release("the board", identity["definition"]),
+                "load a bitstream of this release (`make bitstream`, `make program`), or use the board's",
             )
         return {name: value for name, value in identity.items() if name not in ("expected", "reason", "free")}
 

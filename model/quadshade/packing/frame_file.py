@@ -17,6 +17,7 @@ import numpy as np
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import MAX_PAYLOAD, SEQUENCES, WORD_BYTES, Opcode, definition_hash
+from quadshade.contract.releases import other_release
 from quadshade.contract.shade_state import colour_state
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -257,7 +258,7 @@ def _head(content: bytes, name: str) -> dict:
     )
     if definition != definition_hash() or count != len(GENERICS):
         raise QuadshadeError(
-            f"{name}: made for other formats, {definition:08x}, here {definition_hash():08x}",
+            other_release(name, definition),
             "make the file again with `quadshade pack`, or use the release that wrote it",
         )
     try:
