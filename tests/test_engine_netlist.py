@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from quadshade.contract.formats import Formats
-from quadshade.engine.ghdl import run_tool
 from quadshade.engine.netlist import TOP, check_names, repair_constants, write_netlist
+from quadshade.engine.tool_runner import run_tool
 from quadshade.errors import QuadshadeError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -135,7 +135,7 @@ def test_what_a_tool_has_started_ends_with_the_program(tmp_path: Path) -> None:
     program = (
         "import signal\n"
         "from pathlib import Path\n"
-        "from quadshade.engine.ghdl import run_tool\n"
+        "from quadshade.engine.tool_runner import run_tool\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "run_tool(['sh', '-c', 'sleep 600 & echo $! > begun && mv begun child; wait'], Path.cwd())\n"
     )

@@ -15,9 +15,10 @@ import pytest
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.engine.tool_runner import find_tool
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import DEVICES, find_board, find_device, module_ports, table, write_harness
-from quadshade.synthesis.flow import Implementation, Placed, find_tool, once, run_nextpnr, run_yosys
+from quadshade.synthesis.flow import Implementation, Placed, run_nextpnr, run_yosys
 from quadshade.synthesis.mapping import CHECKED
 from quadshade.synthesis.tool_reports import (
     Area,
@@ -131,26 +132,6 @@ def test_unsound_netlist_is_refused(tmp_path: Path, body: str) -> None:
 def test_missing_tool() -> None:
     with pytest.raises(QuadshadeError, match="is not installed"):
         find_tool("nextpnr-of-nowhere")
-
-
-def test_once_makes_once_and_leaves_nothing_of_a_failure(tmp_path: Path) -> None:
-    made = []
-
-    def make(folder: Path) -> None:
-        made.append(folder)
-        (folder / "out").write_text("done")
-
-    for _ in range(2):
-        assert (once(tmp_path, "name", make) / "out").read_text() == "done"
-    assert len(made) == 1
-
-    def fail(folder: Path) -> None:
-        (folder / "out").write_text("half")
-        raise QuadshadeError("no")
-
-    with pytest.raises(QuadshadeError):
-        once(tmp_path, "other", fail)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["name"]
 
 
 def test_area_counts_carry_cells_twice_on_ecp5() -> None:

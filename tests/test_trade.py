@@ -14,7 +14,7 @@ from PIL import Image
 
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.sources import repository_root
 from quadshade.image import compare, read_picture
 from quadshade.trade import COSTS, Grid, Point, View, area, mark_pareto, pareto_front, sweep
 from quadshade.trade.measure import HEAT_FULL, MEASURED, heat_map, measure

@@ -41,7 +41,7 @@ def source_files(unit: str, generics: dict[str, int]) -> list[Path]:
         from quadshade.synthesis.mapped import netlist_files
 
         return netlist_files(NETLIST, unit, generics)
-    from quadshade.engine.ghdl import rtl_files
+    from quadshade.engine.sources import rtl_files
 
     return rtl_files(ROOT)
 

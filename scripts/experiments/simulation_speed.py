@@ -26,7 +26,9 @@ from rich.console import Console
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.draw import draw_words
-from quadshade.engine.ghdl import analyse, repository_root, run_tool
+from quadshade.engine.ghdl import analyse
+from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import run_tool
 from quadshade.engine.verilator import build_verilator
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels

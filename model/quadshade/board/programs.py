@@ -7,7 +7,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from quadshade.engine.ghdl import analyse, repository_root
+from quadshade.engine.ghdl import analyse
+from quadshade.engine.sources import repository_root
 from quadshade.engine.verilator import compile_netlist
 
 TOP = "board"

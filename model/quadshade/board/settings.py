@@ -119,7 +119,7 @@ def board_settings(
 
 def _preset(name: str) -> dict[str, int]:
     """Generics of a real board, but for its clock."""
-    from quadshade.engine.ghdl import repository_root
+    from quadshade.engine.sources import repository_root
 
     folder = repository_root() / "synth" / "boards"
     known = sorted(path.stem for path in folder.glob("*.toml"))

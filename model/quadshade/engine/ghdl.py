@@ -3,12 +3,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import os
 import shutil
-import signal
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -16,100 +12,25 @@ import numpy as np
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
+from quadshade.engine.build_cache import build_key, build_once
+from quadshade.engine.sources import repository_root, rtl_files
+from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 
 TESTBENCH = "render_core_tb"
 
 
-def repository_root() -> Path:
-    """
-    The checkout that holds ``rtl`` and ``sim``.
-
-    Raises
-    ------
-    QuadshadeError
-      The package was installed without its repository.
-    """
-    root = Path(os.environ.get("QUADSHADE_ROOT", Path(__file__).resolve().parents[3]))
-    if not (root / "rtl" / "files.f").is_file():
-        raise QuadshadeError(f"no rtl/files.f below {root}", "set QUADSHADE_ROOT to a checkout of Quadshade")
-    return root
-
-
-def rtl_files(root: Path) -> list[Path]:
-    """Every RTL file, bottom-up, from ``rtl/files.f``."""
-    lines = (root / "rtl" / "files.f").read_text().splitlines()
-    return [root / line.strip() for line in lines if line.strip() and not line.startswith("#")]
-
-
-def run_tool(command: list[str], cwd: Path) -> str:
-    """
-    Run a simulator's command and return what it printed on its standard output.
-
-    Raises
-    ------
-    QuadshadeError
-      The tool is missing, or fails; with the first line it printed that names an error.
-    """
-    try:
-        process = subprocess.Popen(
-            command,
-            cwd=cwd,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
-            # A group of its own, which can be ended as a whole.
-            start_new_session=True,
-        )
-    except FileNotFoundError:
-        raise QuadshadeError(
-            f"{command[0]} is not installed", "run `make setup`, or use --engine model"
-        ) from None
-    try:
-        output, errors = process.communicate()
-    except BaseException:
-        # With what it has started: GHDL runs the program that it built, Verilator make and the compiler.
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-        raise
-    if process.returncode != 0:
-        said = [line for line in (output + errors).splitlines() if line.strip()]
-        named = [line for line in said if "error" in line.lower() or "failure" in line]
-        reason = (named or said or [_ending(process.returncode)])[0].strip()
-        raise QuadshadeError(f"{Path(command[0]).name} failed: {reason}")
-    return output
-
-
-def _ending(code: int) -> str:
-    """How a program ended that said nothing: its exit code, or the signal that ended it."""
-    return f"exit code {code}" if code > 0 else f"ended by signal {-code}"
-
-
 def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
     """Analyse RTL and a test bench once for each state of the sources; returns the work library's folder."""
     ghdl = os.environ.get("GHDL", "ghdl")
     sources = [*rtl_files(root), root / "sim" / f"{testbench}.vhd"]
-    digest = hashlib.sha256(f"{ghdl} {os.environ.get('GHDL_BACKEND', '')}".encode())
-    for source in sources:
-        digest.update(source.read_bytes())
-    library = root / "build" / "ghdl" / digest.hexdigest()[:16]
-    if not library.is_dir():
-        library.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=library.parent) as scratch:
-            work = Path(scratch) / "work"
-            work.mkdir()
-            run_tool([ghdl, "-a", "--std=08", f"--workdir={work}", *map(str, sources)], work)
-            try:
-                work.rename(library)
-            except OSError:
-                # Another process was first with the same sources.
-                if not library.is_dir():
-                    raise
-    return library
+
+    def make(library: Path) -> None:
+        run_tool([ghdl, "-a", "--std=08", f"--workdir={library}", *sources], library, INSTALL_OR_MODEL)
+
+    key = build_key(ghdl, os.environ.get("GHDL_BACKEND", ""), *sources)
+    return build_once(root / "build" / "ghdl", key, make)
 
 
 def write_beats(words: np.ndarray, formats: Formats, path: Path) -> None:
@@ -210,7 +131,7 @@ def _draw(
         command += ["--ieee-asserts=disable"]
         if waves is not None:
             command += [f"--wave={folder / 'waves.ghw'}"]
-        run_tool(command, folder)
+        run_tool(command, folder, INSTALL_OR_MODEL)
         if waves is not None:
             try:
                 shutil.move(folder / "waves.ghw", waves)

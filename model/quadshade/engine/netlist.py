@@ -9,7 +9,6 @@ It also keeps a signal's name that is a word of SystemVerilog, which some reader
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import tempfile
@@ -18,7 +17,9 @@ from functools import cache
 from pathlib import Path
 
 from quadshade.contract.formats import Formats
-from quadshade.engine.ghdl import repository_root, rtl_files, run_tool
+from quadshade.engine.build_cache import build_key, build_once
+from quadshade.engine.sources import repository_root, rtl_files
+from quadshade.engine.tool_runner import run_tool
 from quadshade.errors import QuadshadeError
 
 TOP = "raster_core"
@@ -137,18 +138,14 @@ def write_netlist(
     ghdl = os.environ.get("GHDL", "ghdl")
     sources = [*rtl_files(root), *more]
     settings = [f"-g{name}={value}" for name, value in generics.items()]
-    digest = hashlib.sha256("\n".join([_version(ghdl), top, *settings]).encode())
-    for source in (Path(__file__), *sources):
-        digest.update(source.read_bytes())
-    netlist = root / "build" / "netlist" / digest.hexdigest()[:16] / f"{top}.v"
-    if not netlist.is_file():
-        netlist.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=netlist.parent) as scratch:
-            command = [ghdl, "--synth", "--std=08", f"--workdir={scratch}", "-Werror", "--no-formal"]
+
+    def make(folder: Path) -> None:
+        with tempfile.TemporaryDirectory() as work:
+            command = [ghdl, "--synth", "--std=08", f"--workdir={work}", "-Werror", "--no-formal"]
             command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
-            verilog = repair_constants(run_tool(command, Path(scratch)))
-            check_names(verilog)
-            temporary = Path(scratch) / netlist.name
-            temporary.write_text(verilog)
-            temporary.replace(netlist)
-    return netlist
+            verilog = repair_constants(run_tool(command, Path(work)))
+        check_names(verilog)
+        (folder / f"{top}.v").write_text(verilog)
+
+    key = build_key(_version(ghdl), top, *settings, Path(__file__), *sources)
+    return build_once(root / "build" / "netlist", key, make) / f"{top}.v"

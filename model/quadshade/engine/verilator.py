@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import fcntl
-import hashlib
 import os
 import shutil
 import sys
@@ -17,9 +15,11 @@ import numpy as np
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
-from quadshade.engine.ghdl import repository_root, run_tool
+from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import RENDER_TOP, write_netlist
 from quadshade.engine.simplify_netlist import fold
+from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 
@@ -119,7 +119,7 @@ def compile_netlist(
       A tool is missing or fails.
     """
     if tools := missing_tools():
-        raise QuadshadeError(f"{tools[0]} is not installed", "run `make setup`, or use --engine model")
+        raise QuadshadeError(f"{tools[0]} is not installed", INSTALL_OR_MODEL)
     root = repository_root()
     harness = root / "sim" / "verilator" / f"{top}_main.cpp"
     netlist = fold(write_netlist(generics, top, root=root).read_text())
@@ -127,26 +127,19 @@ def compile_netlist(
     if macros:
         command += ["-CFLAGS", " ".join(f"-D{name.upper()}={value}" for name, value in macros.items())]
     command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
-    digest = hashlib.sha256("\n".join([*command, _version(_verilator()), _version(_compiler())]).encode())
-    for source in (netlist.encode(), harness.read_bytes()):
-        digest.update(source)
-    program = (kept or root / "build" / "verilator") / digest.hexdigest()[:16] / top
-    if program.is_file():
-        return program
-    program.parent.mkdir(parents=True, exist_ok=True)
-    with open(program.with_suffix(".lock"), "w") as lock:
-        # A second process waits for the first one's program instead of compiling it as well.
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not program.is_file():
-            if sys.stderr.isatty():
-                print(f"compiling {what} for Verilator, once for these generics ...", file=sys.stderr)
-            with tempfile.TemporaryDirectory(dir=program.parent) as scratch:
-                folder = Path(scratch)
-                verilog = folder / f"{top}.v"
-                verilog.write_text(netlist)
-                run_tool([*command, "--Mdir", scratch, str(verilog), str(harness)], folder)
-                (folder / top).replace(program)
-    return program
+
+    def make(folder: Path) -> None:
+        if sys.stderr.isatty():
+            print(f"compiling {what} for Verilator, once for these generics ...", file=sys.stderr)
+        with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+            work = Path(scratch)
+            verilog = work / f"{top}.v"
+            verilog.write_text(netlist)
+            run_tool([*command, "--Mdir", work, verilog, harness], work)
+            (work / top).replace(folder / top)
+
+    key = build_key(*command, _version(_verilator()), _version(_compiler()), netlist, harness)
+    return build_once(kept or root / "build" / "verilator", key, make) / top
 
 
 def record_type(formats: Formats) -> np.dtype:
@@ -210,6 +203,6 @@ def _draw(
         writes, beats, pixels = folder / "state.bin", folder / "beats.bin", folder / "pixels.bin"
         writes.write_bytes(b"" if state is None else state.writes().tobytes())
         np.ascontiguousarray(words, dtype=np.uint32).tofile(beats)
-        printed = run_tool(list(map(str, (program, writes, beats, pixels, stall_period))), folder)
+        printed = run_tool([program, writes, beats, pixels, str(stall_period)], folder)
         report = dict(line.split() for line in printed.splitlines())
         return read_records(pixels, formats, int(report["clocks"]))

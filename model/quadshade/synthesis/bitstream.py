@@ -13,10 +13,11 @@ from pathlib import Path
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import write_netlist
+from quadshade.engine.tool_runner import find_tool, package_version, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_board
-from quadshade.synthesis.flow import find_tool, run_nextpnr, run_tool, tool_version, write_mapped
+from quadshade.synthesis.flow import run_nextpnr, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 ENTITY = "board"
@@ -297,4 +298,4 @@ def program(board: BoardFile, root: Path) -> list[str]:
 def tools_of(board: BoardFile) -> list[str]:
     """Versions of what builds a board."""
     find_tool(PACKERS[board.family][0])
-    return [tool_version("pyosys"), tool_version(board.device.nextpnr[0])]
+    return [package_version("pyosys"), package_version(board.device.nextpnr[0])]

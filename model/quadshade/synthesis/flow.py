@@ -7,26 +7,22 @@ Area is counted on the netlist alone; the clock is that of the netlist in its ha
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import json
 import os
 import re
-import shutil
 import statistics
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import TOP, write_netlist
+from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import package_version, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.block_registers import absorb_in_file
@@ -98,46 +94,6 @@ class Implementation:
         return sorted(self.runs, key=lambda run: run.fmax_mhz)[(len(self.runs) - 1) // 2]
 
 
-def find_tool(command: str) -> str:
-    """
-    Where a tool of the PyPI packages is: beside this Python, or on the path.
-
-    Raises
-    ------
-    QuadshadeError
-      It is nowhere.
-    """
-    beside = Path(sys.executable).parent / command
-    found = str(beside) if beside.is_file() else shutil.which(command)
-    if found is None:
-        raise QuadshadeError(f"{command} is not installed", "run `make setup`")
-    return found
-
-
-def run_tool(command: Sequence[str | Path], folder: Path) -> str:
-    """
-    Run a tool and return what it printed.
-
-    Raises
-    ------
-    QuadshadeError
-      It fails; with the first line that names an error.
-    """
-    done = subprocess.run(
-        [find_tool(str(command[0])), *map(str, command[1:])],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    printed = done.stdout + done.stderr
-    if done.returncode != 0:
-        lines = [line for line in printed.splitlines() if re.search(r"error", line, re.IGNORECASE)]
-        reason = (lines or printed.strip().splitlines()[-1:] or [f"exit code {done.returncode}"])[0]
-        raise QuadshadeError(f"{command[0]} failed: {reason.strip()}")
-    return printed
-
-
 def run_nextpnr(command: Sequence[str], folder: Path, device: Device) -> None:
     """
     Run nextpnr, with its log in ``nextpnr.log`` and its report in ``report.json``.
@@ -169,58 +125,9 @@ def run_yosys(commands: Sequence[str], folder: Path) -> None:
     QuadshadeError
       pyosys is not installed, or a command fails.
     """
-    tool_version(YOSYS)
+    package_version(YOSYS)
     (folder / "script.ys").write_text("\n".join(commands) + "\n")
     run_tool([sys.executable, "-c", RUN_SCRIPT, "script.ys"], folder)
-
-
-@cache
-def tool_version(package: str) -> str:
-    """
-    Version of a tool's Python package.
-
-    Raises
-    ------
-    QuadshadeError
-      It is not installed.
-    """
-    try:
-        return f"{package} {version(package)}"
-    except PackageNotFoundError:
-        raise QuadshadeError(f"{package} is not installed", "run `make setup`") from None
-
-
-def once(folder: Path, name: str, make: Callable[[Path], None]) -> Path:
-    """
-    A folder that is made once, beside its final place, and then moved there.
-
-    Parameters
-    ----------
-    folder : Path
-      Where such folders are kept.
-    name : str
-      Hash of everything that the contents depend on.
-    make : function of a Path
-      Fills the folder that it is given.
-    """
-    final = folder / name
-    if not final.is_dir():
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            made = Path(scratch) / "made"
-            made.mkdir()
-            make(made)
-            try:
-                made.rename(final)
-            except OSError:
-                # Another process was first.
-                if not final.is_dir():
-                    raise
-    return final
-
-
-def _hash(*parts: str) -> str:
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
 
 
 def write_mapped(commands: Sequence[str], path: Path, top: str, device: Device) -> int:
@@ -294,8 +201,8 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
         write_mapped(whole, folder / "harness.json", HARNESS, device)
 
     absorbing = inspect.getsource(block_registers)
-    name = _hash(verilog, harness, parts, *alone, *whole, absorbing, tool_version(YOSYS))
-    return once(root / "build" / "synth" / "mapped", name, make)
+    key = build_key(verilog, harness, parts, *alone, *whole, absorbing, package_version(YOSYS))
+    return build_once(root / "build" / "synth" / "mapped", key, make)
 
 
 def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
@@ -330,8 +237,8 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
         harness = os.path.relpath(mapped / "harness.json", folder)
         run_nextpnr([*command, "--json", harness], folder, device)
 
-    name = _hash(mapped.name, *command, tool_version(command[0]))
-    folder = once(root / "build" / "synth" / "placed", name, make)
+    key = build_key(mapped.name, *command, package_version(command[0]))
+    folder = build_once(root / "build" / "synth" / "placed", key, make)
     report = json.loads((folder / "report.json").read_text())
     cells = json.loads((mapped / "harness.json").read_text())["modules"][HARNESS]
     return Placed(seed, fmax_mhz(report), critical_path(report, cells))

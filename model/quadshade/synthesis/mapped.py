@@ -3,20 +3,21 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import re
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import write_netlist
+from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import package_version
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.devices import Device, find_device
-from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version, write_mapped
+from quadshade.synthesis.flow import YOSYS, run_yosys, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 GENERIC = "ghdl"
@@ -35,7 +36,7 @@ def cell_models(family: str) -> str:
     QuadshadeError
       pyosys is not installed.
     """
-    tool_version(YOSYS)
+    package_version(YOSYS)
     (package,) = find_spec(YOSYS).submodule_search_locations
     folder = Path(package) / "share" / family
     text = (folder / "cells_sim.v").read_text()
@@ -134,7 +135,6 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
 
     absorbing = inspect.getsource(block_registers)
     models = simulation_models(kind, root)
-    text = "\0".join([verilog, *commands, models, absorbing, tool_version(YOSYS)])
-    name = hashlib.sha256(text.encode()).hexdigest()[:16]
-    folder = once(root / "build" / "mapped", name, make)
+    key = build_key(verilog, *commands, models, absorbing, package_version(YOSYS))
+    folder = build_once(root / "build" / "mapped", key, make)
     return [folder / "mapped.v", folder / "cells.v"]

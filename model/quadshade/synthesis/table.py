@@ -17,9 +17,10 @@ from pathlib import Path
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import core_of
+from quadshade.engine.tool_runner import package_version
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.devices import find_device
-from quadshade.synthesis.flow import YOSYS, Implementation, Placed, implement, tool_version
+from quadshade.synthesis.flow import YOSYS, Implementation, Placed, implement
 
 BEGIN, END = "<!-- resources begin -->", "<!-- resources end -->"
 LONE = "lone_accumulator"
@@ -137,7 +138,7 @@ def measure_row(row: Mapping, seeds: Sequence[int], root: Path, progress=None) -
 def tools(rows: Sequence[Mapping]) -> list[str]:
     """Versions of the tools that made some rows."""
     packages = {YOSYS} | {find_device(row["device"]).nextpnr[0] for row in rows}
-    return [tool_version(package) for package in sorted(packages)]
+    return [package_version(package) for package in sorted(packages)]
 
 
 def differences(row: Mapping, fresh: Mapping) -> list[str]:

@@ -3,18 +3,19 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import asdict
 from pathlib import Path
 
 from quadshade.contract.formats import Formats
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import core_of, write_netlist
+from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import package_version
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import find_device
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.flow import YOSYS, once, run_yosys, tool_version
+from quadshade.synthesis.flow import YOSYS, run_yosys
 from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
 from quadshade.synthesis.tool_reports import area_from_stat
 
@@ -38,7 +39,7 @@ def no_tools(device: str = DEVICE) -> str:
     """
     find_device(device)
     try:
-        tool_version(YOSYS)
+        package_version(YOSYS)
         write_netlist(Formats().core_generics())
     except QuadshadeError as problem:
         return str(problem)
@@ -83,7 +84,6 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
         (folder / netlist.name).write_text(verilog)
         run_yosys(commands, folder)
 
-    text = "\0".join([verilog, *commands, tool_version(YOSYS)])
-    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    folder = once(root / "build" / "synth" / "counted", digest, make)
+    key = build_key(verilog, *commands, package_version(YOSYS))
+    folder = build_once(root / "build" / "synth" / "counted", key, make)
     return asdict(area_from_stat(json.loads((folder / STAT).read_text())))

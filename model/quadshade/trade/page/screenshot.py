@@ -11,6 +11,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from quadshade.engine.tool_runner import run_to_end
 from quadshade.errors import QuadshadeError
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
@@ -58,9 +59,7 @@ def take_screenshot(page: Path, picture: Path) -> None:
         command += [f"--user-data-dir={scratch}/profile", f"--window-size={WIDTH},{HEIGHT}"]
         command += ["--virtual-time-budget=4000", f"--screenshot={shot}", page.resolve().as_uri()]
         try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, check=False, timeout=TIMEOUT_SECONDS
-            )
+            done = run_to_end(command, Path(scratch), seconds=TIMEOUT_SECONDS)
         except subprocess.TimeoutExpired:
             raise QuadshadeError(f"chromium did not end within {TIMEOUT_SECONDS} s") from None
         if not shot.is_file():
