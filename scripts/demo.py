@@ -40,7 +40,7 @@ EXPONENTS = (5, 50)
 SHADINGS = ("Gouraud", "quadratic", "Phong")
 
 # Light and viewer infinitely far away: only the normal varies over a triangle (Abbas et al., section 2).
-CAMERA = "ortho=1.05"
+CAMERA = "from=0,0,1,ortho=1.05"
 MODEL = "blinn"
 BACKGROUND = (0, 0, 0)
 

@@ -195,7 +195,7 @@ def test_the_near_plane_cuts_what_reaches_behind_the_eye():
         ("eye=0,0,0,target=0,0,0", "one point"),
         ("from=0,0,0", "direction"),
         ("from=0,0,1,eye=0,0,1", "both"),
-        ("up=0,0,1", "along the view"),
+        ("from=0,0,1,up=0,0,1", "along the view"),
     ],
 )
 def test_a_bad_camera_is_refused(text, message):
@@ -209,3 +209,12 @@ def test_a_size_out_of_range_is_refused(size):
     mesh = load_scene("sphere:168")
     with pytest.raises(QuadshadeError, match="size"):
         project(mesh, fit_camera(mesh), *size)
+
+
+def test_a_picture_is_seen_three_quarters_from_above():
+    mesh = load_scene("cube:2")
+    back = parse_camera("", mesh).axes[2]
+    # Three faces of a cube are seen: from the right, from above and from the front, the front one most.
+    assert back[2] > back[0] > back[1] > 0.3
+    assert parse_camera("fov=30", mesh).axes[2] == pytest.approx(back)
+    assert parse_camera("eye=0,0,9", mesh).axes[2] == pytest.approx([0, 0, 1])

@@ -17,6 +17,7 @@ from quadshade.shading import (
     parse_light,
     parse_material,
 )
+from quadshade.shading.material import PICTURE_MATERIAL
 
 ORIGIN, UP, FRONT = (np.array([vector], dtype=float) for vector in ((0, 0, 0), (0, 1, 0), (0, 0, 1)))
 PLAIN = Material(
@@ -147,7 +148,7 @@ def test_lights_and_materials_are_read():
         7.0,
     )
     assert parse_material("exponent=9").exponent == 9
-    assert parse_material("") == Material()
+    assert parse_material("") == PICTURE_MATERIAL
 
 
 @pytest.mark.parametrize(

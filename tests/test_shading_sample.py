@@ -19,7 +19,7 @@ from quadshade.shading.reference import barycentric, interpolated, phong
 FORMATS = Formats()
 
 
-def sphere(camera: str = "", scene: str = "sphere:168", size: int = 64):
+def sphere(camera: str = "from=0,0,1", scene: str = "sphere:168", size: int = 64):
     mesh = load_scene(scene)
     return project(mesh, parse_camera(camera, mesh), size, size)
 
@@ -57,7 +57,7 @@ def test_each_shading_takes_the_points_of_its_order(shading, order, points):
 
 
 def test_vertices_are_shaded_with_their_normals():
-    projected = sphere("ortho=1.2")
+    projected = sphere("from=0,0,1,ortho=1.2")
     got = sample(projected, "gouraud").samples[..., :3]
     for corner in range(3):
         normal = projected.normal[:, corner]
@@ -156,7 +156,7 @@ def test_interpolation_reproduces_polynomials_up_to_its_order(rng):
         assert got[:, channel] == pytest.approx(np.clip(polynomial(x[inside], y[inside]), 0, 255), abs=1e-6)
 
 
-@pytest.mark.parametrize("camera", ["", "fov=90", "ortho=1.1"])
+@pytest.mark.parametrize("camera", ["", "from=0,0,1,fov=90", "from=0,0,1,ortho=1.1"])
 def test_phong_equals_casting_a_ray_through_every_pixel(camera):
     """Brute force that shares nothing with it: a ray hits the triangle's plane."""
     mesh = load_scene("sphere:168")
@@ -186,7 +186,7 @@ def test_phong_equals_casting_a_ray_through_every_pixel(camera):
         assert got[index] == pytest.approx(np.clip(expected, 0, 255), abs=0.6)
 
 
-@pytest.mark.parametrize("camera", ["", "ortho=1.05"])
+@pytest.mark.parametrize("camera", ["from=0,0,1", "from=0,0,1,ortho=1.05"])
 @pytest.mark.parametrize("count", [168, 374, 690])
 @pytest.mark.parametrize("exponent", [5, 50])
 def test_quadratic_shading_comes_as_near_to_phong_as_float_theory_allows(count, exponent, camera):

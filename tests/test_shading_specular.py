@@ -21,7 +21,7 @@ from quadshade.shading.reference import phong
 from quadshade.shading.specular import UnsuitedError, sample_specular, specular_formats
 
 
-def sphere(scene: str = "sphere:168", size: int = 512, camera: str = ""):
+def sphere(scene: str = "sphere:168", size: int = 512, camera: str = "from=0,0,1"):
     mesh = load_scene(scene)
     return project(mesh, parse_camera(camera, mesh), size, size)
 
@@ -40,7 +40,7 @@ def render(*arguments: str):
 
 
 @pytest.mark.parametrize(("scene", "floor"), [("sphere:168", 57.5), ("sphere:690", 67)])
-@pytest.mark.parametrize("camera", ["", "ortho=1.05"])
+@pytest.mark.parametrize("camera", ["from=0,0,1", "from=0,0,1,ortho=1.05"])
 def test_spheres_are_phongs_to_the_floor(scene: str, floor: float, camera: str) -> None:
     assert psnr(*pictures(sphere(scene, camera=camera), Material(exponent=50))) >= floor
 
@@ -67,7 +67,7 @@ def test_linear_cosines_are_worse() -> None:
 
 
 def test_samples_are_the_cosines() -> None:
-    projected = sphere(camera="ortho=1.2", size=64)
+    projected = sphere(camera="from=0,0,1,ortho=1.2", size=64)
     lights = [
         AmbientLight((0.5, 0.5, 1)),
         DirectionalLight((0, 2, 0)),

@@ -103,7 +103,7 @@ def setups(rounds: int, repeats: int) -> dict[str, float]:
 def host_path(scene: str, cull: bool, repeats: int) -> dict:
     """Seconds of each stage, and what passed."""
     formats, mesh = Formats(), load_scene(scene)
-    camera = parse_camera("", mesh)
+    camera = parse_camera("from=0,0,1", mesh)
     projected = project(mesh, camera, SCREEN, SCREEN, formats, cull)
     triangles = sample(projected, formats=formats)
     primitives = setup_triangles(triangles, formats)

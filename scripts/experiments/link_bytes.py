@@ -31,7 +31,7 @@ from scripts.readme import markdown
 REPORTS = Path(__file__).resolve().parents[2] / "docs" / "reports"
 WIDTH, HEIGHT = 320, 240
 SCENES = ("sphere:690", "sphere:374", "sphere:168", "torus:288", "icosphere:4")
-CAMERAS = {"perspective": "", "orthographic": "ortho=1.05"}
+CAMERAS = {"perspective": "from=0,0,1", "orthographic": "from=0,0,1,ortho=1.05"}
 SHADINGS = ("gouraud", "quadratic", "quadratic-specular")
 ERRORS = (0.0, 1 / 64, PACK_ERROR, 1 / 16, 1 / 8)
 HIGH_DB = 65
@@ -106,7 +106,7 @@ def measure(scene: str, camera: str, shading: str) -> list[dict]:
 def triangles_per_second() -> dict[str, float]:
     """How fast the host packs, best of three, on one core."""
     mesh = load_scene(SPEED_SCENE)
-    projected = project(mesh, parse_camera("", mesh), WIDTH, HEIGHT)
+    projected = project(mesh, parse_camera("from=0,0,1", mesh), WIDTH, HEIGHT)
     triangles, formats = triangles_of(projected, "quadratic")
     primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
     seconds = []

@@ -21,7 +21,7 @@ from scripts.readme import markdown, replace_block
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = 512
-CAMERAS = {"perspective": "", "orthographic": "ortho=1.05"}
+CAMERAS = {"perspective": "from=0,0,1", "orthographic": "from=0,0,1,ortho=1.05"}
 TRIANGLES = (168, 374, 690)
 EXPONENTS = (5, 50, 200, 1000)
 COLUMNS = {

@@ -78,7 +78,7 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float, float]:
 def scene_words(scene: str, size: int, formats: Formats) -> np.ndarray:
     """Set-up words of a scene in quadratic shading."""
     mesh = load_scene(scene)
-    projected = project(mesh, parse_camera("", mesh), size, size, formats)
+    projected = project(mesh, parse_camera("from=0,0,1", mesh), size, size, formats)
     triangles = sample(projected, "quadratic", DEFAULT_LIGHTS, Material(), formats)
     return pack(setup_triangles(triangles, formats), formats)
 

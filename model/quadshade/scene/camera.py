@@ -23,6 +23,9 @@ DEFAULT_FOV = 20.0
 FIT_MARGIN = 1.05
 """The scene's bounding sphere, grown by this, touches the picture's border."""
 
+DEFAULT_FROM = (0.7, 0.65, 1.0)
+"""Where a picture is seen from if its user does not say: three quarters, from above."""
+
 CAMERA_KEYS = {
     "eye": (3,),
     "from": (3,),
@@ -164,7 +167,7 @@ def parse_camera(text: str, mesh: Mesh) -> Camera:
     text : str
       For example ``eye=0,0,3,target=0,0,0,up=0,1,0,fov=40``, ``from=1,1,2,ortho=1.2`` or the empty string.
     mesh : Mesh
-      What is left out is fitted to it.
+      What is left out is fitted to it; without an eye and a direction it is seen from ``DEFAULT_FROM``.
 
     Returns
     -------
@@ -175,9 +178,8 @@ def parse_camera(text: str, mesh: Mesh) -> Camera:
     QuadshadeError
       A description that is malformed, contradicts itself or is out of range.
     """
-    if not text.strip():
-        return fit_camera(mesh)
-    settings = parse_settings(text, "camera", CAMERA_KEYS)
+    settings = parse_settings(text, "camera", CAMERA_KEYS) if text.strip() else {}
     vectors = {key: np.array(settings[key]) for key in ("eye", "target", "up") if key in settings}
     numbers = {key: settings[key][0] for key in ("fov", "ortho", "near") if key in settings}
-    return fit_camera(mesh, direction=settings.get("from"), **vectors, **numbers)
+    direction = settings.get("from", None if "eye" in settings else DEFAULT_FROM)
+    return fit_camera(mesh, direction=direction, **vectors, **numbers)

@@ -32,6 +32,8 @@ def compiled_surface(projected: Projected, lights: Sequence[Light], material: Ma
             "the software renderer got a directional light or an orthographic view",
             "give point lights and a view in perspective",
         )
+    if material.incidence is not None:
+        raise QuadshadeError("the software renderer got a W that varies", "give the material's specular")
     if material.reflectance is not None or projected.colour is not None:
         raise QuadshadeError(
             "the software renderer got a user's reflectance or a coloured mesh", "give the material's colour"

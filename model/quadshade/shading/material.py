@@ -3,7 +3,8 @@
 What a surface reflects: Phong's or Blinn's specular term, or a function of the user's.
 
 ``--material`` takes ``colour``, ``diffuse``, ``ambient`` and ``specular`` (one number or three),
-``exponent=n`` and ``model=phong`` or ``model=blinn``.
+``exponent=n`` and ``model=phong`` or ``model=blinn``; and the terms of Phong's equation 3: ``d=`` and
+``w=`` (a constant, or a table over the incident angle) or ``fresnel=index`` (W as Fresnel's curve).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 
 from quadshade.errors import QuadshadeError
 from quadshade.scene.key_values import WORD, parse_settings
+from quadshade.shading.incidence import LARGEST_TABLE, Incidence, fresnel_curve, table_curve
 from quadshade.shading.lights import AmbientLight, Light, triple
 
 Reflectance = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -25,6 +27,9 @@ MODELS = ("phong", "blinn")
 MATERIAL_KEYS = {name: (1, 3) for name in ("colour", "diffuse", "ambient", "specular")} | {
     "exponent": (1,),
     "model": (WORD,),
+    "d": (1,),
+    "w": tuple(range(1, LARGEST_TABLE + 1)),
+    "fresnel": (1,),
 }
 
 
@@ -48,6 +53,9 @@ class Material:
       (point, normal, to_light, to_viewer), all (m, 3) float64 and unit length but the point, to the share of
       the light that is reflected to the viewer, (m, 3) RGB, its cosine included. Takes the place of the
       diffuse and the specular term.
+    incidence : callable, optional
+      W(i) of Phong's equation 3: the cosine of the incident angle, (m,) float64 above 0, to the share of the
+      light that is reflected specularly there, (m,). A factor of the specular term; without it W is 1.
     """
 
     colour: tuple[float, float, float] = (0.35, 0.60, 0.95)
@@ -57,6 +65,7 @@ class Material:
     exponent: float = 20.0
     model: str = "blinn"
     reflectance: Reflectance | None = None
+    incidence: Incidence | None = None
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
@@ -138,6 +147,8 @@ class Material:
         lit = np.flatnonzero((facing > 0) & (cosine > 0))
         out = np.zeros(len(facing))
         out[lit] = np.minimum(cosine[lit], 1.0) ** self.exponent
+        if self.incidence is not None:
+            out[lit] *= self.incidence(np.minimum(facing[lit], 1.0))
         return out
 
     def _user_share(
@@ -158,6 +169,13 @@ class Material:
         if not np.isfinite(share).all():
             raise QuadshadeError(f"reflectance {name} returned a value that is not finite")
         return share
+
+
+PICTURE_MATERIAL = replace(Material(), diffuse=(0.6,) * 3, ambient=(0.2,) * 3, specular=(0.2,) * 3)
+"""
+What a picture's material starts from where the user says nothing: a part of a colour has that colour, and its
+unlit sides stand out from a black background. The reports' material, ``Material()``, has a stronger highlight.
+"""
 
 
 def dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -187,7 +205,7 @@ def parse_material(
     Raises
     ------
     QuadshadeError
-      A malformed description, or an exponent given twice.
+      A malformed description, an exponent given twice, or terms that exclude each other.
     """
     settings = parse_settings(text, "material", MATERIAL_KEYS) if text.strip() else {}
     if exponent is not None and "exponent" in settings:
@@ -203,7 +221,33 @@ def parse_material(
         changes["exponent"] = settings["exponent"][0]
     if exponent is not None:
         changes["exponent"] = exponent
-    return replace(Material(), reflectance=reflectance, **changes)
+    changes |= _phong_terms(settings)
+    return replace(PICTURE_MATERIAL, reflectance=reflectance, **changes)
+
+
+def _phong_terms(settings: dict) -> dict:
+    """
+    ``d`` and ``W(i)`` of Phong's equation 3, S = C [cos(i) (1 - d) + d] + W(i) cos(s)^n, as fields.
+
+    With ``d`` the diffuse factor is 1 - d and the ambient one d; W is a factor of white's specular share.
+    """
+    terms: dict = {}
+    if "d" in settings:
+        (d,) = settings["d"]
+        if {"diffuse", "ambient"} & settings.keys():
+            raise QuadshadeError("the material has d and a diffuse or ambient factor", "give d, or these two")
+        if not 0 <= d <= 1:
+            raise QuadshadeError(f"the material's d is {d:g}", "give 0 to 1")
+        terms |= {"diffuse": (1 - d,) * 3, "ambient": (d,) * 3}
+    curves = {"w", "fresnel"} & settings.keys()
+    if not curves:
+        return terms
+    if len(curves) == 2 or "specular" in settings:
+        raise QuadshadeError("the material has W twice", "give one of w, fresnel and specular")
+    if "w" in settings and len(settings["w"]) == 1:
+        return terms | {"specular": triple(settings["w"], "material's w")}
+    curve = fresnel_curve(settings["fresnel"][0]) if "fresnel" in settings else table_curve(settings["w"])
+    return terms | {"specular": (1.0, 1.0, 1.0), "incidence": curve}
 
 
 def load_reflectance(text: str) -> Reflectance:

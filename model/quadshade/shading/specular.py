@@ -50,6 +50,8 @@ def specular_lights(projected: Projected, lights: Sequence[Light], material: Mat
     """
     if material.reflectance is not None:
         raise UnsuitedError("the reflectance is the user's own")
+    if material.incidence is not None:
+        raise UnsuitedError("the material's W varies with the incident angle")
     if projected.colour is not None:
         raise UnsuitedError("the mesh has colours of its own")
     if not EXPONENTS[0] <= material.exponent <= EXPONENTS[1]:

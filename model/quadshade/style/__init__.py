@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures that explain: the G-buffer pass, its edges, cool-to-warm tones and hatching."""
 
+from quadshade.style.cartoon import smooth_tones
 from quadshade.style.edges import EdgeMaps, draw_edges, find_edges
 from quadshade.style.gbuffer import GBuffer, draw_gbuffer, sample_normals
 from quadshade.style.gooch import gooch_material
@@ -17,4 +18,5 @@ __all__ = [
     "hatch",
     "illustrate",
     "sample_normals",
+    "smooth_tones",
 ]

@@ -15,6 +15,7 @@ from quadshade.shading.material import Material
 from quadshade.shading.sample import sample
 from quadshade.shading.specular import sample_specular, specular_formats
 from quadshade.shading.toon import toon_curves
+from quadshade.style.cartoon import smooth_tones
 from quadshade.style.edges import KINDS, draw_edges, find_edges
 from quadshade.style.gbuffer import draw_gbuffer
 from quadshade.style.gooch import gooch_material
@@ -70,5 +71,7 @@ def illustrate(
     picture = paint(shown, pixels.value, PAPER)
     if style == "hatch":
         picture = hatch(picture, shown >= 0)
+    elif style == "cartoon":
+        picture = smooth_tones(picture, shown >= 0)
     gbuffer, _ = draw_gbuffer(projected, engine=engine)
     return draw_edges(picture, find_edges(gbuffer, variant), kinds)
