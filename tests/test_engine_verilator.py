@@ -36,7 +36,8 @@ CASES = {
     "shade": Formats(
         with_shade=1, num_channels=4, num_specular=2, value_bits=12, shade_guard_bits=6, frac_bits=18
     ),
-    # Ports wider than 64 bits, values across the ports' words, words of two lanes, a chain of one span.
+    # Ports wider than 64 bits, values across the ports' words, differences of two set-up words, a chain of
+    # one span.
     "wide": Formats(
         num_channels=5, value_bits=15, word_width=40, stream_width=128, with_depth=0, span_depth=1
     ),

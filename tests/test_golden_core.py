@@ -101,7 +101,7 @@ def test_stream_cut_within_a_packet_is_refused(formats: Formats, rng: np.random.
     words = malformed_words(formats, rng, 2)
     ends = {0, *np.cumsum([packet.beats for packet in load_packets(words.tolist(), formats)])}
     for length in range(len(words) + 1):
-        beats, rest = divmod(length, formats.stream_lanes)
+        beats, rest = divmod(length, formats.beat_words)
         if not rest and beats in ends:
             draw_fast(words[:length], formats)
             continue

@@ -52,8 +52,8 @@ def test_scanline_channel_follows_a_quadratic(coefficients: list[int], carries: 
 
     modulus = 1 << 40
     # d_col is the step that led to the first pixel.
-    planes = [exact(0, 0), exact(1, 0) - exact(0, 0), exact(0, 0) - exact(0, -1), cmm, cmn, cnn]
-    channel = ScanlineChannel([word % modulus for word in planes], 2, 40)
+    differences = [exact(0, 0), exact(1, 0) - exact(0, 0), exact(0, 0) - exact(0, -1), cmm, cmn, cnn]
+    channel = ScanlineChannel([word % modulus for word in differences], 2, 40)
     n = 0
     for m, carry in enumerate([*carries, False]):
         value, step, dd_col = channel.span()

@@ -159,7 +159,7 @@ def test_phase_steps_are_near_enough() -> None:
 def test_definition_hash_covers_formats_and_protocol(monkeypatch: pytest.MonkeyPatch) -> None:
     hashes = {protocol.definition_hash()}
     for module, name, value in (
-        (formats, "PLANES", formats.PLANES[::-1]),
+        (formats, "DIFFERENCES", formats.DIFFERENCES[::-1]),
         (formats, "SECTIONS", (("edge", formats.SECTIONS[0][1][1:]), formats.SECTIONS[1])),
         (formats, "DERIVED", (("column_bits", "coord_bits + 2", ""), *formats.DERIVED[1:])),
         (protocol, "COUNTERS", protocol.COUNTERS[1:]),

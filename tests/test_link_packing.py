@@ -69,18 +69,18 @@ def scene(
 def test_what_is_unpacked_is_the_packets(formats: Formats, seed: int) -> None:
     primitives = setup_triangles(random_triangles(formats, 200, seed), formats)
     exact, short = pack_primitives(primitives, formats, 0.0), pack_primitives(primitives, formats)
-    lanes = pack(primitives, formats)
-    assert np.array_equal(unpack(exact.words, formats), lanes)
+    setup_words = pack(primitives, formats)
+    assert np.array_equal(unpack(exact.words, formats), setup_words)
     assert exact.added == 0.0
     expected = pack(short.primitives, formats)
     assert np.array_equal(unpack(short.words, formats), expected)
-    assert len(short.words) < len(exact.words) < len(lanes)
+    assert len(short.words) < len(exact.words) < len(setup_words)
     # Batches follow each other, cut anywhere.
     unpacker = WordUnpacker(formats)
     both = np.concatenate([short.words, exact.words])
     cuts = np.sort(np.random.default_rng(seed).integers(0, len(both), 50))
     parts = [unpacker.feed(part) for part in np.split(both, cuts)]
-    assert np.array_equal(np.concatenate(parts), np.concatenate([expected, lanes]))
+    assert np.array_equal(np.concatenate(parts), np.concatenate([expected, setup_words]))
     assert not unpacker.within
 
 

@@ -51,15 +51,15 @@ def test_whole_screen_is_one_packet() -> None:
     assert major == {"column": 0, "error": -1, "step": 0, "increment": 0, "decrement": -1}
 
 
-def test_orders_send_only_their_planes(rng: np.random.Generator) -> None:
-    for order, planes in enumerate((1, 3, 6)):
+def test_orders_send_only_their_differences(rng: np.random.Generator) -> None:
+    for order, differences in enumerate((1, 3, 6)):
         given = triangles(BIG, order=order)
         given.samples = rng.uniform(0, 255, given.samples.shape)
         # What an order does not use is not looked at.
-        given.samples[..., planes:] = np.nan
+        given.samples[..., differences:] = np.nan
         primitives = setup_triangles(given, FORMATS)
-        assert (primitives.words[:, :3, planes:] == 0).all()
-        assert (primitives.words[:, :3, :planes] != 0).all()
+        assert (primitives.words[:, :3, differences:] == 0).all()
+        assert (primitives.words[:, :3, :differences] != 0).all()
 
 
 def test_depth_is_linear() -> None:

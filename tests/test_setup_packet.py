@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quadshade.contract.formats import Formats
-from quadshade.setup.packet import pack, packet_lanes
+from quadshade.setup.packet import pack, packet_words
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.setup_reference import screen_triangles
 
@@ -34,12 +34,12 @@ class Beats:
     """The stream as a row of beats, each one integer of ``stream_width`` bits."""
 
     def __init__(self, words: np.ndarray, stream_width: int) -> None:
-        lanes = stream_width // 32
-        assert len(words) % lanes == 0
+        count = stream_width // 32
+        assert len(words) % count == 0
         self.width = stream_width
         self.beats = [
-            sum(int(word) << (32 * lane) for lane, word in enumerate(words[at : at + lanes]))
-            for at in range(0, len(words), lanes)
+            sum(int(word) << (32 * index) for index, word in enumerate(words[at : at + count]))
+            for at in range(0, len(words), count)
         ]
         self.at = 0
 
@@ -100,12 +100,12 @@ def unpack(words: np.ndarray, formats: Formats) -> list[dict]:
         packet["words"] = [[0] * 6 for _ in range(channels)]
         for first in range(0, channels, per_beat):
             group = range(first, min(first + per_beat, channels))
-            for plane in range((1, 3, 6)[max(order[channel] for channel in group)]):
+            for difference in range((1, 3, 6)[max(order[channel] for channel in group)]):
                 raw = beats.take(word_bits * len(group))
                 for channel in group:
                     word = raw >> (word_bits * (channel - first)) & ((1 << word_bits) - 1)
                     assert word >> formats.word_width == 0, "padding is not zero"
-                    packet["words"][channel][plane] = signed(word, formats.word_width)
+                    packet["words"][channel][difference] = signed(word, formats.word_width)
         packets.append(packet)
     return packets
 
@@ -124,7 +124,7 @@ def test_round_trip(config: dict[str, int], rng: np.random.Generator) -> None:
     primitives = setup_triangles(triangles, formats, fractional=bool(rng.integers(2)))
     words = pack(primitives, formats)
     assert words.dtype == np.uint32
-    assert packet_lanes(primitives.orders, primitives.header["has_second"], formats).sum() == len(words)
+    assert packet_words(primitives.orders, primitives.header["has_second"], formats).sum() == len(words)
     packets = unpack(words, formats)
     assert len(packets) == len(primitives)
     names = ("column", "error", "step", "increment", "decrement")

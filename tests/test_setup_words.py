@@ -16,7 +16,7 @@ from quadshade.setup import triangle_setup
 from quadshade.setup.colour_words import Colours, colour_exactly
 from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives
-from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_planes, region, round_words
+from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_linear, region, round_words
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
 
@@ -197,7 +197,7 @@ def test_bound_of_large_triangles(shape: str, rng: np.random.Generator) -> None:
     cut = cut_triangles(np.array([LARGE[shape]]) * 256, 1024, 1024, 8)
     corners, fit, off = np.zeros((8, 2)), np.zeros(FIT_FIELDS), np.zeros(6)
     count = region(cut.heads[0], cut.edges[0], False, corners)
-    fit_planes(corners, count, np.zeros((SAMPLE_POINTS, 5)), fit)
+    fit_linear(corners, count, np.zeros((SAMPLE_POINTS, 5)), fit)
     fractions = rng.uniform(0, 1, (4000, 6))
     fractions[:64, 3:] = np.stack(np.meshgrid(*3 * [[0.49, 0.5, 0.51, 0.25]]), axis=-1).reshape(-1, 3)
     worst = max(round_words(f, 2, corners, count, fit, True, off) for f in fractions)

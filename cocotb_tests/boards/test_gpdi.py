@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ULX3S's serialiser: the bits on a monitor's lanes against its words, at every phase of both clocks."""
+"""ULX3S's serialiser: the bits on its TMDS data channels against its words, at every phase of both clocks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHIFT_NS, CLOCK_NS = 8, 10
 CLOCKS = 4
 """Of a pixel."""
 RESET_CLOCKS = 8
-CLOCK_LANE = 0b0000011111
+CLOCK_CHANNEL = 0b0000011111
 
 
 @dataclass(frozen=True)
@@ -67,12 +67,12 @@ async def every_bit(dut: Any, phase_ps: int, first: int) -> None:
         dut.word_next.value = int(index % CLOCKS == first and index >= RESET_CLOCKS + CLOCKS)
 
     # What was there before the reset is over by then.
-    lane = [bit >> 3 & 1 for bit in bits]
-    begin = next(at for at in range(20, len(lane)) if lane[at] and not lane[at - 1])
+    serial = [bit >> 3 & 1 for bit in bits]
+    begin = next(at for at in range(20, len(serial)) if serial[at] and not serial[at - 1])
     got = []
     for at in range(begin, len(bits) - 10, 10):
         four = [sum((bits[at + bit] >> number & 1) << bit for bit in range(10)) for number in range(4)]
-        bench.check("clock lane", four[3], CLOCK_LANE, at)
+        bench.check("clock channel", four[3], CLOCK_CHANNEL, at)
         got.append(four[0] | four[1] << 10 | four[2] << 20)
     bench.check("many words came", len(got) > 50, True)
     # From the first on; none is lost, none comes twice.

@@ -13,7 +13,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.formats import PLANES, Formats
+from quadshade.contract.formats import DIFFERENCES, Formats
 from quadshade.golden.clocks import WALK_STAGES
 from quadshade.golden.common.skid_buffer import SkidBuffer
 from quadshade.golden.core.channel_lane import ChannelLane
@@ -81,7 +81,7 @@ def scanlines(bench: Bench) -> Iterator[Line | None]:
     """Primitives with all kinds of spans, empty ones among them; None where the edge walker has a gap."""
     formats = bench.config.formats
     for index in range(PRIMITIVES):
-        words = [bench.bits(formats.word_width) for _ in PLANES]
+        words = [bench.bits(formats.word_width) for _ in DIFFERENCES]
         lane = ChannelLane(words, bench.config.channel, formats)
         rows = 1 + index % 4 if index < 12 else bench.draw.randint(1, 12)
         longest = bench.draw.choice((1, 3, 9))
@@ -173,8 +173,8 @@ async def every_pixel(dut: Any, speed: str) -> None:
             getattr(dut, port).value = int(getattr(inputs, port))
         copied, walked = core.stages[1], core.stages[2]
         dut.setup_copy.value = int(core.copy)
-        words = copied.words if core.copy else [bench.bits(width) for _ in PLANES]
-        dut.setup_words.value = sum(word << (plane * width) for plane, word in enumerate(words))
+        words = copied.words if core.copy else [bench.bits(width) for _ in DIFFERENCES]
+        dut.setup_words.value = sum(word << (difference * width) for difference, word in enumerate(words))
         dut.walk_first_coming.value = int(bool(copied and copied.first))
         dut.walk_carry.value = walked.carry if walked else int(bench.chance(0.5))
         await bench.edge()

@@ -12,7 +12,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.formats import PLANES
+from quadshade.contract.formats import DIFFERENCES
 from quadshade.golden.core.scanline_channel import ScanlineChannel
 
 LATENCY = 4
@@ -58,7 +58,7 @@ class Line:
 def primitive_lines(bench: Bench, primitive: int) -> list[Line | None]:
     """Scanlines of a primitive, then gaps: none, or what the next may not come closer than."""
     width = bench.config.word_width
-    words = [bench.bits(width) for _ in PLANES]
+    words = [bench.bits(width) for _ in DIFFERENCES]
     channel = ScanlineChannel(words, bench.config.max_order, width)
     lines: list[Line | None] = []
     # Short ones first: they are closest to each other.
@@ -76,7 +76,7 @@ def primitive_lines(bench: Bench, primitive: int) -> list[Line | None]:
 @cocotb.parametrize(speed=list(SPEEDS))
 async def every_scanline(dut: Any, speed: str) -> None:
     bench = Bench(dut, Config, f"every_scanline {speed}")
-    ports = [f"setup_{plane}" for plane in PLANES]
+    ports = [f"setup_{difference}" for difference in DIFFERENCES]
     await bench.start("enable", "copy", "first", "carry", *ports, reset=False)
     enables = SPEEDS[speed](bench.draw)
     width = bench.config.word_width
@@ -92,9 +92,9 @@ async def every_scanline(dut: Any, speed: str) -> None:
             enable = next(enables)
             dut.enable.value = int(enable)
             dut.copy.value = int(copy)
-            for plane, port in enumerate(ports):
+            for difference, port in enumerate(ports):
                 # The words stand there in the cycle of the copy, and no longer.
-                getattr(dut, port).value = line.words[plane] if copy else bench.bits(width)
+                getattr(dut, port).value = line.words[difference] if copy else bench.bits(width)
             # Where there is no scanline the carry means nothing.
             dut.first.value = int(stages[1].first) if stages[1] else 0
             dut.carry.value = stages[1].carry if stages[1] else int(bench.chance(0.5))

@@ -11,7 +11,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.golden.core.setup_loader import load_packets
 from tests.support.golden_stimuli import malformed_packet, triangle_words
 
@@ -58,7 +58,7 @@ class Expected:
 
 
 def expected_packets(words: list[int], formats: Formats) -> list[Expected]:
-    """Every packet of a stream of lanes, from the model."""
+    """Every packet of a stream of set-up words, from the model."""
     layouts = [formats.section("edge"), formats.section("second")]
     width = formats.word_width
     packets = []
@@ -114,10 +114,10 @@ class Taker:
 
 
 def beats_of(words: list[int], formats: Formats) -> list[tuple[int]]:
-    """Beats of a stream of lanes."""
-    lanes = formats.stream_lanes
-    rows = [words[at : at + lanes] for at in range(0, len(words), lanes)]
-    return [(sum(int(word) << (LANE_BITS * lane) for lane, word in enumerate(row)),) for row in rows]
+    """Beats of a stream of set-up words."""
+    count = formats.beat_words
+    rows = [words[at : at + count] for at in range(0, len(words), count)]
+    return [(sum(int(word) << (SETUP_WORD_BITS * index) for index, word in enumerate(row)),) for row in rows]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -75,7 +75,7 @@ def triangles_of(bench: Bench, count: int) -> ScreenTriangles:
 
 
 async def unpack(bench: Bench, words: np.ndarray, source: str, sink: str) -> tuple[list[int], list[int]]:
-    """Send words; the lanes that come out, and in which cycles, once nothing has come for a while."""
+    """Send words; the set-up words that come out, and in which cycles, once nothing has come for a while."""
     dut = bench.dut
     offered = StreamSource(
         dut.packed_valid,
@@ -107,8 +107,8 @@ async def packets(dut: Any, source: str, sink: str) -> None:
     batches = [pack_primitives(primitives, formats, error) for error in (0.25, 0.0)]
     words = np.concatenate([batch.words for batch in batches])
     expected = np.concatenate([pack(batch.primitives, formats) for batch in batches])
-    lanes, _ = await unpack(bench, words, source, sink)
-    bench.check_all("lane", lanes, expected.tolist())
+    setup_words, _ = await unpack(bench, words, source, sink)
+    bench.check_all("set-up word", setup_words, expected.tolist())
     bench.check("busy at the end", int(dut.busy.value), 0)
     bench.finish(at_least=40)
 
@@ -125,31 +125,33 @@ async def junk(dut: Any) -> None:
         words = np.array([bench.bits(32) for _ in range(count)], np.uint32)
         words &= np.array((0xFFFFFFFF, 0xFFFFFFFF, 0x11111111, 0x00000F0F)[kind % 4], np.uint32)
         words |= np.array((0, 0xF0F0F0F0)[kind == 5], np.uint32)
-        lanes, _ = await unpack(bench, words, "full_speed", "throttled")
+        setup_words, _ = await unpack(bench, words, "full_speed", "throttled")
         whole = model.feed(words).tolist()
-        bench.check_all("lane", lanes, whole + model.begun)
+        bench.check_all("set-up word", setup_words, whole + model.begun)
         bench.check("busy", bool(dut.busy.value), model.within)
         model.reset()
         await bench.reset()
     primitives = setup_triangles(triangles_of(bench, 4), formats, limit=None)
     batch = pack_primitives(primitives, formats)
-    lanes, _ = await unpack(bench, batch.words, "full_speed", "full_speed")
-    bench.check_all("lane after junk", lanes, pack(batch.primitives, formats).tolist())
+    setup_words, _ = await unpack(bench, batch.words, "full_speed", "full_speed")
+    bench.check_all("set-up word after junk", setup_words, pack(batch.primitives, formats).tolist())
     bench.finish(at_least=100)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks(dut: Any) -> None:
-    """A lane takes 32 cycles for its bits and a few for the fields that begin in it."""
+    """A set-up word takes 32 cycles for its bits and a few for the fields that begin in it."""
     bench = Bench(dut, Config, "clocks")
     await bench.start("packed_valid", "packed_data", "setup_ready")
     formats = bench.config.formats
     batch = pack_primitives(setup_triangles(triangles_of(bench, 6), formats, limit=None), formats)
     begin = bench.cycle
-    lanes, taken_at = await unpack(bench, batch.words, "full_speed", "full_speed")
-    bench.check("lanes", len(lanes), len(pack(batch.primitives, formats)))
-    cycles = (taken_at[-1] - begin) / len(lanes)
-    dut._log.info("%.1f cycles a lane, %.1f a packed word", cycles, cycles * len(lanes) / len(batch.words))
+    setup_words, taken_at = await unpack(bench, batch.words, "full_speed", "full_speed")
+    bench.check("set-up words", len(setup_words), len(pack(batch.primitives, formats)))
+    cycles = (taken_at[-1] - begin) / len(setup_words)
+    dut._log.info(
+        "%.1f cycles a set-up word, %.1f a packed word", cycles, cycles * len(setup_words) / len(batch.words)
+    )
     bench.check("about 32 cycles and a few for the fields", 32 <= cycles < 48, True)
     bench.finish(at_least=2)
 

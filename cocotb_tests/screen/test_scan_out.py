@@ -82,7 +82,7 @@ class Monitor:
         await bench.edge()
         if dut.word_next.value:
             word = int(dut.words.value)
-            self.words.append(tuple(word >> 10 * lane & 0x3FF for lane in range(3)))
+            self.words.append(tuple(word >> 10 * channel & 0x3FF for channel in range(3)))
         address = bench.draw.randrange(len(self.memory.words))
         if dut.reads.value:
             bench.check("reads only where it may", may_read, True)

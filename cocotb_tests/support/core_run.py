@@ -9,7 +9,7 @@ from itertools import accumulate
 import numpy as np
 
 from cocotb_tests.support.bench import Bench, StreamSink, StreamSource
-from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.golden.core.raster_core import EmittedPixel
 from quadshade.golden.core.setup_loader import load_packets
@@ -23,9 +23,9 @@ PORTS = ("pixel_last", "pixel_y", "pixel_x", "pixel_depth", "pixel_value")
 
 
 def beats_of(words: np.ndarray, formats: Formats) -> list[tuple[int]]:
-    """Beats of a stream of lanes, the first lane lowest."""
-    rows = words.reshape(-1, formats.stream_lanes).tolist()
-    return [(sum(word << (LANE_BITS * lane) for lane, word in enumerate(row)),) for row in rows]
+    """Beats of a stream of set-up words, the first one lowest."""
+    rows = words.reshape(-1, formats.beat_words).tolist()
+    return [(sum(word << (SETUP_WORD_BITS * index) for index, word in enumerate(row)),) for row in rows]
 
 
 def port_words(pixel: EmittedPixel, formats: Formats) -> tuple[int, ...]:

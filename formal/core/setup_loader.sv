@@ -24,15 +24,15 @@ module setup_loader_properties #(
 );
 
   localparam carried = num_channels + with_depth;
-  localparam lanes = stream_width / 32;
-  localparam word_lanes = (word_width + 31) / 32;
+  localparam beat_words = stream_width / 32;
+  localparam difference_words = (word_width + 31) / 32;
   localparam edges = (edge_section_bits + stream_width - 1) / stream_width;
   localparam seconds = (second_section_bits + stream_width - 1) / stream_width;
-  localparam group_size = lanes < word_lanes ? 1 : lanes / word_lanes;
+  localparam group_size = beat_words < difference_words ? 1 : beat_words / difference_words;
   localparam groups = (carried + group_size - 1) / group_size;
-  localparam plane_beats = (word_lanes + lanes - 1) / lanes;
-  localparam planes = groups * 6 * plane_beats;
-  localparam places = edges + seconds + planes;
+  localparam difference_beats = (difference_words + beat_words - 1) / beat_words;
+  localparam differences = groups * 6 * difference_beats;
+  localparam places = edges + seconds + differences;
 
   wire setup_ready, busy, packet_valid;
   wire [edge_section_bits - 1:0] edge_data;
@@ -56,7 +56,7 @@ module setup_loader_properties #(
       here[index] = \dut.state [edges - 1 - index];
     for (index = 0; index < seconds; index = index + 1)
       here[edges + index] = \dut.state [edges + seconds - 1 - index];
-    for (index = 0; index < planes; index = index + 1)
+    for (index = 0; index < differences; index = index + 1)
       here[edges + seconds + index] = \dut.state [places - 1 - index];
   end
 
@@ -88,9 +88,9 @@ module setup_loader_properties #(
     end
   endfunction
 
-  // Beats of a group: 1, 3 or 6 planes.
+  // Beats of a group: 1, 3 or 6 differences.
   function integer beats_of(input [1:0] order);
-    beats_of = plane_beats * (order == 0 ? 1 : order == 1 ? 3 : 6);
+    beats_of = difference_beats * (order == 0 ? 1 : order == 1 ? 3 : 6);
   endfunction
 
   // The place that follows each place; `places` stands for the packet's end.
@@ -99,12 +99,12 @@ module setup_loader_properties #(
   always @* begin
     next_places = 0;
     for (index = 0; index < places; index = index + 1) begin
-      group = (index - edges - seconds) / (6 * plane_beats);
-      offset = (index - edges - seconds) % (6 * plane_beats);
+      group = (index - edges - seconds) / (6 * difference_beats);
+      offset = (index - edges - seconds) % (6 * difference_beats);
       after = index + 1;
       if (index == edges - 1 && !has_second_now) after = edges + seconds;
       if (index >= edges + seconds && offset + 1 == beats_of(order_of(orders_now, group)))
-        after = edges + seconds + (group + 1) * 6 * plane_beats;
+        after = edges + seconds + (group + 1) * 6 * difference_beats;
       if (here[index]) next_places = next_places | 1 << after;
       // Only places that the first beat named are reached.
       if (here[index] && index >= edges && index < edges + seconds) assert (has_second);

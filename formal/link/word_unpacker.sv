@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // word_unpacker: whatever the words say, a packet ends. `rank` bounds the cycles until then: in every
-// cycle in which a packed word is there and no lane waits for the core, it becomes smaller, and it never
-// grows but by a start bit. Words of zeros give nothing; a lane that is shown stays until it is taken.
+// cycle in which a packed word is there and no set-up word waits for the core, it becomes smaller, and it never
+// grows but by a start bit. Words of zeros give nothing; a set-up word that is shown stays until it is taken.
 
 module word_unpacker_properties #(
   parameter num_channels = 1,
@@ -53,7 +53,7 @@ module word_unpacker_properties #(
   localparam clearing = 0, waiting = 1, listing = 2, changing = 3, storing = 4, flagging = 5, asking = 6,
     ordering = 7, fetching = 8, reading = 9, running = 10, padding = 11;
 
-  // Fields of the edges, then planes; more cycles than a field takes, with its padding.
+  // Fields of the edges, then differences; more cycles than a field takes, with its padding.
   localparam edge_fields = 18;
   localparam fields = edge_fields + 6 * carried;
   localparam field_cycles = (1 << width) + 36;
@@ -115,7 +115,7 @@ module word_unpacker_properties #(
     if (!any) assert (!setup_valid);
   end
 
-  // A field's last bit, a channel's last plane.
+  // A field's last bit, a channel's last difference.
   reg [6:0] last_bit;
   always @* begin
     case (part)

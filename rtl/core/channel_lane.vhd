@@ -29,8 +29,9 @@ entity channel_lane is
     clk : in std_ulogic;
     reset : in std_ulogic;
 
-    -- Plane by plane; copied when a primitive's first scanline has just come to stage 1.
-    setup_words : in u_unsigned(num_planes * word_width - 1 downto 0);
+    -- The channel's differences, a word each; copied when a primitive's first scanline has just come to
+    -- stage 1.
+    setup_words : in u_unsigned(num_differences * word_width - 1 downto 0);
     setup_copy : in std_ulogic;
 
     -- From the edge walker: whether a primitive's first scanline is in stage 1; the carry of the scanline in
@@ -52,8 +53,8 @@ end entity;
 
 architecture rtl of channel_lane is
 
-  type planes_t is array (0 to num_planes - 1) of u_unsigned(word_width - 1 downto 0);
-  signal planes : planes_t;
+  type differences_t is array (0 to num_differences - 1) of u_unsigned(word_width - 1 downto 0);
+  signal planes : differences_t;
 
   -- A primitive's first scanline is in stage 2: the lane's own copy, because it chooses all that is loaded.
   signal walk_first : std_ulogic := '0';
@@ -69,8 +70,8 @@ architecture rtl of channel_lane is
 
 begin
 
-  plane_gen : for plane in 0 to num_planes - 1 generate
-    planes(plane) <= setup_words((plane + 1) * word_width - 1 downto plane * word_width);
+  plane_gen : for difference in 0 to num_differences - 1 generate
+    planes(difference) <= setup_words((difference + 1) * word_width - 1 downto difference * word_width);
   end generate;
 
   handshake_inst : entity work.lane_handshake
@@ -98,10 +99,10 @@ begin
     generic map (word_width => word_width, max_order => max_order, inputs_stay => inputs_stay)
     port map (
       clk => clk, enable => walk, copy => setup_copy,
-      setup_value => planes(plane_value),
-      setup_d_row => planes(plane_d_row), setup_d_col => planes(plane_d_col),
-      setup_dd_row => planes(plane_dd_row), setup_dd_mixed => planes(plane_dd_mixed),
-      setup_dd_col => planes(plane_dd_col),
+      setup_value => planes(difference_value),
+      setup_d_row => planes(difference_d_row), setup_d_col => planes(difference_d_col),
+      setup_dd_row => planes(difference_dd_row), setup_dd_mixed => planes(difference_dd_mixed),
+      setup_dd_col => planes(difference_dd_col),
       first => walk_first, carry => walk_carry,
       span_value => walked_value, span_d_col => walked_d_col, span_dd_col => walked_dd_col
     );

@@ -77,7 +77,7 @@ architecture rtl of raster_core is
   signal packet_valid, packet_ready, packet_taken, words_copy, words_pending : std_ulogic;
   signal edge_data : std_ulogic_vector(layout.bits - 1 downto 0);
   signal second_data : std_ulogic_vector(second.bits - 1 downto 0);
-  signal words : u_unsigned(carried * num_planes * word_width - 1 downto 0);
+  signal words : u_unsigned(carried * num_differences * word_width - 1 downto 0);
 
   signal walk : std_ulogic;
   signal channel_first_coming, channel_carry, span_coming : std_ulogic;
@@ -224,7 +224,8 @@ begin
       port map (
         clk => clk, reset => reset,
         setup_words =>
-          words((channel + 1) * num_planes * word_width - 1 downto channel * num_planes * word_width),
+          words((channel + 1) * num_differences * word_width - 1
+            downto channel * num_differences * word_width),
         setup_copy => words_copy,
         walk_first_coming => channel_first_coming, walk_carry => channel_carry,
         walk_span_coming => span_coming,

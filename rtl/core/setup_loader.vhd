@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- Collects a packet of set-up words into registers: bit fields of the edges, then the channels' planes, group
--- by group, each up to the group's highest order. Every register has its lane and its beat: no multiplexer.
--- A channel word that is not sent is zero. A packet ends after a bounded number of beats whatever it says.
+-- Collects a packet of set-up words into registers: bit fields of the edges, then the channels' differences,
+-- group by group, each up to the group's highest order. Every register belongs to one set-up word of one
+-- beat, so there is no multiplexer. A difference that is not sent is zero. A packet ends after a bounded
+-- number of beats, whatever its bits say.
 --
 -- Model: setup_loader.py.  Test: test_setup_loader.py.  Latency: 1 cycle after the last beat.
 -- Throughput: one beat per cycle, and one cycle in which the edge walker takes the primitive.
@@ -44,8 +45,8 @@ entity setup_loader is
 
     edge_data : out std_ulogic_vector(edge_section_bits - 1 downto 0);
     second_data : out std_ulogic_vector(second_section_bits - 1 downto 0);
-    -- Channel by channel, plane by plane.
-    words : out u_unsigned((num_channels + with_depth) * num_planes * word_width - 1 downto 0)
+    -- The differences, channel by channel.
+    words : out u_unsigned((num_channels + with_depth) * num_differences * word_width - 1 downto 0)
   );
 end entity;
 
@@ -56,12 +57,12 @@ architecture rtl of setup_loader is
     return (a + b - 1) / b;
   end function;
 
-  function group_size_of(beat_lanes, lanes_of_one : positive) return positive is
+  function group_size_of(words_of_beat, words_of_difference : positive) return positive is
   begin
-    if beat_lanes < lanes_of_one then
+    if words_of_beat < words_of_difference then
       return 1;
     end if;
-    return beat_lanes / lanes_of_one;
+    return words_of_beat / words_of_difference;
   end function;
 
   function minimum_of(a, b : natural) return natural is
@@ -73,23 +74,23 @@ architecture rtl of setup_loader is
   end function;
 
   constant carried : positive := num_channels + with_depth;
-  constant lanes : positive := stream_width / lane_bits;
-  constant lanes_of_word : positive := ceil_div(word_width, lane_bits);
+  constant words_of_beat : positive := stream_width / setup_word_bits;
+  constant words_of_difference : positive := ceil_div(word_width, setup_word_bits);
   constant edge_beats : positive := ceil_div(edge_section_bits, stream_width);
   constant second_beats : positive := ceil_div(second_section_bits, stream_width);
-  -- Channels that share a beat; a word wider than a beat makes a group of its own.
-  constant group_size : positive := group_size_of(lanes, lanes_of_word);
+  -- Channels that share a beat; a difference wider than a beat makes a group of one channel.
+  constant group_size : positive := group_size_of(words_of_beat, words_of_difference);
   constant num_groups : positive := ceil_div(carried, group_size);
-  constant plane_beats : positive := ceil_div(lanes_of_word, lanes);
+  constant difference_beats : positive := ceil_div(words_of_difference, words_of_beat);
 
-  constant plane_places : positive := num_groups * num_planes * plane_beats;
+  constant difference_places : positive := num_groups * num_differences * difference_beats;
 
   -- One hot over all three vectors: which registers the next beat goes to.
   type state_t is record
     edge_at : std_ulogic_vector(0 to edge_beats - 1);
     second_at : std_ulogic_vector(0 to second_beats - 1);
-    plane_at : std_ulogic_vector(0 to plane_places - 1);
-    -- From the last beat of the edge section on, the channel words are written.
+    plane_at : std_ulogic_vector(0 to difference_places - 1);
+    -- From the last beat of the edge section on, the differences are written.
     writes_words : std_ulogic;
   end record;
 
@@ -145,7 +146,7 @@ architecture rtl of setup_loader is
   signal beat : std_ulogic_vector(stream_width - 1 downto 0) := (others => '0');
   signal edge_write : std_ulogic_vector(0 to edge_beats - 1) := (others => '0');
   signal second_write : std_ulogic_vector(0 to second_beats - 1) := (others => '0');
-  signal plane_write : std_ulogic_vector(0 to plane_places - 1) := (others => '0');
+  signal plane_write : std_ulogic_vector(0 to difference_places - 1) := (others => '0');
   -- Of the packet that is coming in, from its first beat.
   signal has_second : std_ulogic := '0';
   signal orders : std_ulogic_vector(2 * carried - 1 downto 0) := (others => '0');
@@ -185,7 +186,7 @@ begin
 
   control : process (all)
     variable v : state_t;
-    variable begins_planes, to_second, done, ends : std_ulogic;
+    variable begins_differences, to_second, done, ends : std_ulogic;
     variable place : natural;
   begin
     v := state;
@@ -204,32 +205,33 @@ begin
       for place_index in 1 to second_beats - 1 loop
         v.second_at(place_index) := state.second_at(place_index - 1);
       end loop;
-      begins_planes := (state.edge_at(edge_beats - 1) and not to_second) or state.second_at(second_beats - 1);
+      begins_differences :=
+        (state.edge_at(edge_beats - 1) and not to_second) or state.second_at(second_beats - 1);
       for index in 0 to num_groups - 1 loop
-        -- The first plane follows whatever ended before it.
-        place := index * num_planes * plane_beats;
-        v.plane_at(place) := begins_planes;
-        begins_planes := '0';
-        for plane in 0 to num_planes - 1 loop
-          for part in 1 to plane_beats - 1 loop
+        -- The first difference follows whatever ended before it.
+        place := index * num_differences * difference_beats;
+        v.plane_at(place) := begins_differences;
+        begins_differences := '0';
+        for difference in 0 to num_differences - 1 loop
+          for part in 1 to difference_beats - 1 loop
             v.plane_at(place + part) := state.plane_at(place + part - 1);
           end loop;
-          place := place + plane_beats;
+          place := place + difference_beats;
           ends := '0';
-          if plane = planes_of_order(0) - 1 then
+          if difference = differences_of_order(0) - 1 then
             ends := not linear(index);
-          elsif plane = planes_of_order(1) - 1 then
+          elsif difference = differences_of_order(1) - 1 then
             ends := not quadratic(index);
-          elsif plane = planes_of_order(2) - 1 then
+          elsif difference = differences_of_order(2) - 1 then
             ends := '1';
           end if;
-          begins_planes := begins_planes or (state.plane_at(place - 1) and ends);
-          if plane < num_planes - 1 then
+          begins_differences := begins_differences or (state.plane_at(place - 1) and ends);
+          if difference < num_differences - 1 then
             v.plane_at(place) := state.plane_at(place - 1) and not ends;
           end if;
         end loop;
       end loop;
-      done := begins_planes;
+      done := begins_differences;
       v.edge_at(0) := done;
       v.writes_words := writes_at_start;
       if edge_beats > 1 then
@@ -300,33 +302,35 @@ begin
   edge_data <= edge_words(edge_section_bits - 1 downto 0);
   second_data <= second_words(second_section_bits - 1 downto 0);
 
-  -- Words that the packet will not bring must be zero: cleared with the last beat of the edge section.
+  -- Differences that the packet will not bring must be zero: cleared with the last beat of the edge section.
   clear_words <= edge_write(edge_beats - 1);
 
   channel_gen : for channel in 0 to carried - 1 generate
-    plane_gen : for plane in 0 to num_planes - 1 generate
-      constant base : natural := (channel * num_planes + plane) * word_width;
-      -- Lanes, counted from the plane's first.
-      constant first_lane : natural := (channel mod group_size) * lanes_of_word;
+    plane_gen : for difference in 0 to num_differences - 1 generate
+      constant base : natural := (channel * num_differences + difference) * word_width;
+      -- Set-up words, counted from the first of the group's difference.
+      constant first_word : natural := (channel mod group_size) * words_of_difference;
     begin
-      part_gen : for part in 0 to lanes_of_word - 1 generate
-        constant lane : natural := (first_lane + part) mod lanes;
+      part_gen : for part in 0 to words_of_difference - 1 generate
+        constant word_of_beat : natural := (first_word + part) mod words_of_beat;
         constant place : natural :=
-          ((channel / group_size) * num_planes + plane) * plane_beats + (first_lane + part) / lanes;
-        constant width : natural := minimum_of(lane_bits, word_width - part * lane_bits);
+          ((channel / group_size) * num_differences + difference) * difference_beats
+          + (first_word + part) / words_of_beat;
+        constant width : natural := minimum_of(setup_word_bits, word_width - part * setup_word_bits);
         signal word : u_unsigned(width - 1 downto 0) := (others => '0');
       begin
         store : process (clk)
         begin
           if rising_edge(clk) then
-            if plane > 0 and clear_words = '1' then
+            if difference > 0 and clear_words = '1' then
               word <= (others => '0');
             elsif plane_write(place) = '1' then
-              word <= unsigned(beat(lane * lane_bits + width - 1 downto lane * lane_bits));
+              word <= unsigned(
+                beat(word_of_beat * setup_word_bits + width - 1 downto word_of_beat * setup_word_bits));
             end if;
           end if;
         end process;
-        words(base + part * lane_bits + width - 1 downto base + part * lane_bits) <= word;
+        words(base + part * setup_word_bits + width - 1 downto base + part * setup_word_bits) <= word;
       end generate;
     end generate;
   end generate;

@@ -60,7 +60,7 @@ package body packed_pkg is
 
   function width_bits(f : formats_t) return positive is
   begin
-    return 4 + word_lanes(f);
+    return 4 + difference_words(f);
   end function width_bits;
 
   function width_address_bits(f : formats_t) return positive is

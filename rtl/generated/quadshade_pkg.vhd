@@ -7,24 +7,24 @@
 
 package quadshade_pkg is
 
-  -- Lanes of the set-up stream.
-  constant lane_bits : positive := 32;
+  -- Bits of a set-up word: the set-up stream is a row of them.
+  constant setup_word_bits : positive := 32;
 
-  -- Orders of a channel, and how many planes each needs.
+  -- Orders of a channel, and how many differences each needs.
   constant order_constant : natural := 0;
   constant order_linear : natural := 1;
   constant order_quadratic : natural := 2;
   type natural_vector_t is array (natural range <>) of natural;
-  constant planes_of_order : natural_vector_t(0 to 2) := (1, 3, 6);
+  constant differences_of_order : natural_vector_t(0 to 2) := (1, 3, 6);
 
-  -- Planes of a channel, in the order in which they are sent.
-  constant num_planes : positive := 6;
-  constant plane_value : natural := 0;
-  constant plane_d_row : natural := 1;
-  constant plane_d_col : natural := 2;
-  constant plane_dd_row : natural := 3;
-  constant plane_dd_mixed : natural := 4;
-  constant plane_dd_col : natural := 5;
+  -- Differences of a channel, in the order in which they are sent; the first is its value.
+  constant num_differences : positive := 6;
+  constant difference_value : natural := 0;
+  constant difference_d_row : natural := 1;
+  constant difference_d_col : natural := 2;
+  constant difference_dd_row : natural := 3;
+  constant difference_dd_mixed : natural := 4;
+  constant difference_dd_col : natural := 5;
 
   -- The shade unit: operands, fractions, a power table's values and index, stages, addresses.
   constant factor_bits : positive := 18;
@@ -99,13 +99,13 @@ package quadshade_pkg is
   function error_bits(f : formats_t) return integer;
   -- one bit of overshoot and the sign stay free
   function depth_frac_bits(f : formats_t) return integer;
-  -- lanes of a beat
-  function stream_lanes(f : formats_t) return integer;
-  -- lanes of one channel word
-  function word_lanes(f : formats_t) return integer;
-  -- what a colour lane emits
+  -- set-up words of a beat
+  function beat_words(f : formats_t) return integer;
+  -- set-up words of one difference
+  function difference_words(f : formats_t) return integer;
+  -- what a colour channel's lane emits
   function lane_value_bits(f : formats_t) return integer;
-  -- the same word, cut lower
+  -- fraction below what a lane emits: the same word, cut lower
   function lane_frac_bits(f : formats_t) return integer;
   -- colours of a pixel
   function emitted_channels(f : formats_t) return integer;
@@ -279,15 +279,15 @@ package body quadshade_pkg is
     return f.word_width - f.depth_bits - 2;
   end function depth_frac_bits;
 
-  function stream_lanes(f : formats_t) return integer is
+  function beat_words(f : formats_t) return integer is
   begin
     return f.stream_width / 32;
-  end function stream_lanes;
+  end function beat_words;
 
-  function word_lanes(f : formats_t) return integer is
+  function difference_words(f : formats_t) return integer is
   begin
     return (f.word_width + 31) / 32;
-  end function word_lanes;
+  end function difference_words;
 
   function lane_value_bits(f : formats_t) return integer is
   begin

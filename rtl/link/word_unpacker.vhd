@@ -2,10 +2,10 @@
 --
 -- Packed words of the line to set-up words of the core, a bit per clock: where a field's bits are not sent it
 -- puts zeros below and the field's fill above. Widths stay in a memory from packet to packet.
---   packet = start bit, changed widths, 3 flags, orders or the last ones, fields, planes channel by channel
+--   packet = start bit, changed widths, 3 flags, orders or the last ones, fields, differences by channel
 --
 -- Model: word_unpacker.py.  Test: test_word_unpacker.py.
--- Latency: 1 cycle from a lane's last bit. Throughput: about 36 cycles per lane of 32 bits; lines are slow.
+-- Latency: 1 cycle from a set-up word's last bit. Throughput: about 36 cycles per set-up word.
 -- A packet ends after a bounded number of bits whatever they say; zeros between packets are skipped.
 
 library ieee;
@@ -34,13 +34,13 @@ entity word_unpacker is
 
     packed_valid : in std_ulogic;
     packed_ready : out std_ulogic;
-    packed_data : in std_ulogic_vector(lane_bits - 1 downto 0);
+    packed_data : in std_ulogic_vector(setup_word_bits - 1 downto 0);
 
     setup_valid : out std_ulogic;
     setup_ready : in std_ulogic;
-    setup_data : out std_ulogic_vector(lane_bits - 1 downto 0);
+    setup_data : out std_ulogic_vector(setup_word_bits - 1 downto 0);
 
-    -- A packet is begun, or a lane waits.
+    -- A packet is begun, or a set-up word waits.
     busy : out std_ulogic
   );
 end entity;
@@ -82,7 +82,7 @@ architecture rtl of word_unpacker is
     -- Of all channels, the one whose turn it is lowest.
     orders : std_ulogic_vector(num_orders - 1 downto 0);
     in_words : std_ulogic;
-    -- A field's kind; a plane.
+    -- A field's kind, or the number of a difference.
     part : u_unsigned(2 downto 0);
     -- An edge, of rows the first or the second; a channel.
     group_index : u_unsigned(3 downto 0);
@@ -105,13 +105,13 @@ architecture rtl of word_unpacker is
 
   signal state : state_t := state_init;
   signal state_next : state_t;
-  signal lane : std_ulogic_vector(lane_bits - 1 downto 0) := (others => '0');
+  signal lane : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
   signal write_enable, give, given : std_ulogic;
   signal last_plane : u_unsigned(2 downto 0);
 
 begin
 
-  assert stream_width = lane_bits
+  assert stream_width = setup_word_bits
     report "generic stream_width is " & integer'image(stream_width) & "; give 32 for packed words"
     severity failure;
   assert check_formats(formats)
@@ -136,11 +136,11 @@ begin
       -- Without shade there is no such address.
       kind_base := to_unsigned((kind_widths * kind_specular) mod num_addresses, address_size);
     end if;
-    last_plane <= to_unsigned(planes_of_order(order_constant) - 1, 3);
+    last_plane <= to_unsigned(differences_of_order(order_constant) - 1, 3);
     if max_order >= 2 and state.orders(1) = '1' and not is_depth then
-      last_plane <= to_unsigned(planes_of_order(order_quadratic) - 1, 3);
+      last_plane <= to_unsigned(differences_of_order(order_quadratic) - 1, 3);
     elsif (max_order >= 1 or is_depth) and (state.orders(1) = '1' or state.orders(0) = '1') then
-      last_plane <= to_unsigned(planes_of_order(order_linear) - 1, 3);
+      last_plane <= to_unsigned(differences_of_order(order_linear) - 1, 3);
     end if;
     read_address <= to_unsigned(field_widths, address_size) + state.part;
     if state.in_words = '1' then
@@ -333,7 +333,7 @@ begin
     packed_ready <= '0';
     if take = '1' then
       v.index := state.index + 1;
-      if state.index = lane_bits - 1 then
+      if state.index = setup_word_bits - 1 then
         packed_ready <= '1';
       end if;
     end if;
@@ -346,9 +346,9 @@ begin
     if rising_edge(clk) then
       state <= state_next;
       if give = '1' then
-        lane <= given & lane(lane_bits - 1 downto 1);
+        lane <= given & lane(setup_word_bits - 1 downto 1);
         state.lane_bit <= state.lane_bit + 1;
-        if state.lane_bit = lane_bits - 1 then
+        if state.lane_bit = setup_word_bits - 1 then
           state.full <= '1';
         end if;
       end if;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- The picture on a monitor: words of three TMDS lanes, pixel after pixel of 640 x 480, every pixel of the
--- framebuffer as a square of them. A scanline is fetched while the one above it is shown, in a burst of a
+-- The picture on a monitor: words of three TMDS data channels, pixel after pixel of 640 x 480, every pixel of
+-- the framebuffer as a square of them. A scanline is fetched while the one above it is shown, in a burst of a
 -- clock a pixel; while the framebuffer is read by others nothing is, and that scanline is black.
 --
 -- Model: scan_out.py.  Test: test_scan_out.py.
@@ -253,16 +253,16 @@ begin
     end if;
   end process;
 
-  -- Red is channel 0 and lane 2.
-  lane_gen : for lane in 0 to 2 generate
-    constant channel : natural := 2 - lane;
+  -- Red is colour channel 0 and TMDS data channel 2.
+  lane_gen : for data_channel in 0 to 2 generate
+    constant channel : natural := 2 - data_channel;
     signal control : std_ulogic_vector(1 downto 0);
   begin
-    blue_gen : if lane = 0 generate
+    blue_gen : if data_channel = 0 generate
       control <= lines_pulse(3) & columns_pulse(3);
     end generate;
 
-    other_gen : if lane /= 0 generate
+    other_gen : if data_channel /= 0 generate
       control <= "00";
     end generate;
 
@@ -270,7 +270,7 @@ begin
       port map (
         clk => clk, enable => step, active => actives(3),
         value => value_3(8 * channel + 7 downto 8 * channel), control => control,
-        word => words(10 * lane + 9 downto 10 * lane)
+        word => words(10 * data_channel + 9 downto 10 * data_channel)
       );
   end generate;
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- A byte, or two control bits, as a ten-bit word of a TMDS lane: few transitions, and over a line as many
--- ones as zeros (Digital Visual Interface, revision 1.0, figure 3-5).
+-- A byte, or two control bits, as a ten-bit word of a TMDS data channel: few transitions, and over a line as
+-- many ones as zeros (Digital Visual Interface, revision 1.0, figure 3-5).
 --
 -- Model: tmds_encoder.py.  Test: test_tmds_encoder.py.
 -- Latency: 4 enabled cycles.  A word per enabled cycle.

@@ -88,7 +88,7 @@ def measure(vertices: np.ndarray, order: int, engine: str, rng: np.random.Genera
         "triangles": len(vertices),
         "pixels": pixels,
         "mean_pixels": pixels / len(vertices),
-        "beats": len(words) // formats.stream_lanes,
+        "beats": len(words) // formats.beat_words,
         "clocks": model.clocks,
         "clocks_per_pixel": model.clocks / pixels,
     }

@@ -139,23 +139,23 @@ def package() -> str:
     """Text of the VHDL package."""
     defaults = formats.Formats().generics()
     sections = [name for name, _ in formats.SECTIONS]
-    orders = len(formats.PLANES_OF_ORDER)
-    planes = ", ".join(map(str, formats.PLANES_OF_ORDER))
+    orders = len(formats.DIFFERENCES_OF_ORDER)
+    counts = ", ".join(map(str, formats.DIFFERENCES_OF_ORDER))
     lines = [HEADER, "package quadshade_pkg is", ""]
     lines += [
-        "  -- Lanes of the set-up stream.",
-        f"  constant lane_bits : positive := {formats.LANE_BITS};",
+        "  -- Bits of a set-up word: the set-up stream is a row of them.",
+        f"  constant setup_word_bits : positive := {formats.SETUP_WORD_BITS};",
         "",
     ]
-    lines += ["  -- Orders of a channel, and how many planes each needs."]
+    lines += ["  -- Orders of a channel, and how many differences each needs."]
     lines += [f"  constant order_{name} : natural := {i};" for i, name in enumerate(formats.ORDER_NAMES)]
     lines += [
         "  type natural_vector_t is array (natural range <>) of natural;",
-        f"  constant planes_of_order : natural_vector_t(0 to {orders - 1}) := ({planes});",
+        f"  constant differences_of_order : natural_vector_t(0 to {orders - 1}) := ({counts});",
         "",
-        "  -- Planes of a channel, in the order in which they are sent.",
-        f"  constant num_planes : positive := {len(formats.PLANES)};",
-        *(f"  constant plane_{name} : natural := {i};" for i, name in enumerate(formats.PLANES)),
+        "  -- Differences of a channel, in the order in which they are sent; the first is its value.",
+        f"  constant num_differences : positive := {len(formats.DIFFERENCES)};",
+        *(f"  constant difference_{name} : natural := {i};" for i, name in enumerate(formats.DIFFERENCES)),
         "",
         "  -- The shade unit: operands, fractions, a power table's values and index, stages, addresses.",
         *(f"  constant {name} : positive := {getattr(formats, name.upper())};" for name in SHADE_CONSTANTS),

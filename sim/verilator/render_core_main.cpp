@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Writes the state of a file (address and word, 32 bits each), then feeds the core from a file of set-up
-// beats (32-bit lanes, the first lane lowest) and writes the pixels it emits as records (struct Record below,
+// beats (set-up words of 32 bits, the first one lowest) and writes the pixels it emits as records (struct Record below,
 // which engine/verilator.py reads). Stream always valid; the sink is ready but for one clock in STALL_PERIOD,
 // counted from the first beat (0: always). Prints "clocks N" (first beat accepted to last pixel out, both
 // included), "cycles N" (all that were simulated, from reset to idle) and "seconds T" (the simulation with
@@ -24,8 +24,8 @@
 
 namespace {
 
-constexpr unsigned lane_bits = 32;
-constexpr size_t stream_lanes = STREAM_WIDTH / lane_bits;
+constexpr unsigned setup_word_bits = 32;
+constexpr size_t beat_words = STREAM_WIDTH / setup_word_bits;
 // A packet has fewer than 2^15 scanlines: a core that takes no beat and emits no pixel for so long hangs.
 constexpr uint64_t patience = 1 << 20;
 constexpr size_t block_records = 1 << 16;
@@ -55,14 +55,14 @@ File open_file(const char* name, const char* mode) {
 }
 
 // Ports of up to 64 bits are plain integers, wider ones have words of 32 bits.
-template <typename T> void put_lanes(T& port, const uint32_t* lanes) {
-    uint64_t bits = lanes[0];
-    if constexpr (sizeof(T) > sizeof(uint32_t)) bits |= uint64_t(lanes[1]) << lane_bits;
+template <typename T> void put_beat(T& port, const uint32_t* words) {
+    uint64_t bits = words[0];
+    if constexpr (sizeof(T) > sizeof(uint32_t)) bits |= uint64_t(words[1]) << setup_word_bits;
     port = T(bits);
 }
 
-template <size_t N> void put_lanes(VlWide<N>& port, const uint32_t* lanes) {
-    for (size_t lane = 0; lane < N; ++lane) port[lane] = lanes[lane];
+template <size_t N> void put_beat(VlWide<N>& port, const uint32_t* words) {
+    for (size_t index = 0; index < N; ++index) port[index] = words[index];
 }
 
 template <typename T> uint32_t get_bits(const T& port, unsigned low, unsigned width) {
@@ -70,10 +70,10 @@ template <typename T> uint32_t get_bits(const T& port, unsigned low, unsigned wi
 }
 
 template <size_t N> uint32_t get_bits(const VlWide<N>& port, unsigned low, unsigned width) {
-    const size_t word = low / lane_bits;
-    const unsigned shift = low % lane_bits;
+    const size_t word = low / setup_word_bits;
+    const unsigned shift = low % setup_word_bits;
     uint64_t bits = port[word];
-    if (shift + width > lane_bits) bits |= uint64_t(port[word + 1]) << lane_bits;
+    if (shift + width > setup_word_bits) bits |= uint64_t(port[word + 1]) << setup_word_bits;
     return uint32_t(bits >> shift) & ((UINT64_C(1) << width) - 1);
 }
 
@@ -89,7 +89,7 @@ int main(int argc, char** argv) {
     VerilatedContext context;
     Vrender_core core(&context);
     uint64_t cycle = 0, first_beat = 0, last_pixel = 0, last_change = 0;
-    uint32_t beat[stream_lanes];
+    uint32_t beat[beat_words];
     std::vector<Record> block;
     block.reserve(block_records);
     bool started = false;
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
     };
     const auto read_beat = [&] {
         core.setup_valid = std::fread(beat, sizeof beat, 1, beats.get()) == 1;
-        if (core.setup_valid) put_lanes(core.setup_data, beat);
+        if (core.setup_valid) put_beat(core.setup_data, beat);
     };
 
     core.reset = 1;

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from quadshade.contract.formats import LANE_BITS, PLANES_OF_ORDER, QUADRATIC, Formats
+from quadshade.contract.formats import DIFFERENCES_OF_ORDER, QUADRATIC, SETUP_WORD_BITS, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.core.edge_dda import EdgeDda, signed
 from quadshade.golden.core.setup_loader import built_order
@@ -92,26 +92,26 @@ def random_fields(formats: Formats, rng: np.random.Generator) -> dict[str, int]:
 def section_words(
     section: str, fields: dict[str, int], formats: Formats, rng: np.random.Generator
 ) -> list[int]:
-    """32-bit lanes of a section; its padding is random."""
+    """Set-up words of a section; its padding is random."""
     used = formats.section_bits(section)
-    lanes = formats.section_beats(section) * formats.stream_lanes
-    bits = int.from_bytes(rng.bytes(lanes * LANE_BITS // 8), "little") >> used << used
+    count = formats.section_beats(section) * formats.beat_words
+    bits = int.from_bytes(rng.bytes(count * SETUP_WORD_BITS // 8), "little") >> used << used
     for name, (offset, _) in formats.section(section).items():
         bits |= fields[name] << offset
-    return [(bits >> (LANE_BITS * lane)) & 0xFFFFFFFF for lane in range(lanes)]
+    return [(bits >> (SETUP_WORD_BITS * index)) & 0xFFFFFFFF for index in range(count)]
 
 
 def malformed_packet(formats: Formats, rng: np.random.Generator) -> list[int]:
-    """32-bit lanes of one packet of nonsense, as long as its header says."""
+    """Set-up words of one packet of nonsense, as long as its header says."""
     fields = random_fields(formats, rng)
     words = section_words("edge", fields, formats, rng)
     if fields["has_second"]:
         words += section_words("second", fields, formats, rng)
     for group in formats.channel_groups:
         sent = max(min((fields["orders"] >> (2 * channel)) & 3, QUADRATIC) for channel in group)
-        planes = PLANES_OF_ORDER[min(sent, built_order(group, formats))]
-        lanes = planes * formats.plane_beats * formats.stream_lanes
-        words += rng.integers(0, 1 << LANE_BITS, lanes).tolist()
+        differences = DIFFERENCES_OF_ORDER[min(sent, built_order(group, formats))]
+        count = differences * formats.difference_beats * formats.beat_words
+        words += rng.integers(0, 1 << SETUP_WORD_BITS, count).tolist()
     return words
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
 from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
-from quadshade.adapt.shader import MARGIN, PLANES, Choice, Shader
+from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
 from quadshade.adapt.small_triangles import Places
 from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected
@@ -175,7 +175,7 @@ class CosineShader(Shader):
         """
         channels = self._channels(projected, places, used)
         shapes = [
-            shape_functions(points, order).reshape(-1, points.shape[-2], PLANES[order])
+            shape_functions(points, order).reshape(-1, points.shape[-2], NUM_DIFFERENCES[order])
             for order in self.orders
         ]
         fits = []

@@ -12,7 +12,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
 from quadshade.scene.project import Projected
-from quadshade.setup.packet import packet_lanes
+from quadshade.setup.packet import packet_words
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
@@ -83,8 +83,8 @@ def state_bytes(triangles: ScreenTriangles) -> int:
 def stream_bytes(triangles: ScreenTriangles, formats: Formats) -> int:
     """Bytes of the set-up stream and, before it, of the shade unit's state."""
     primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
-    lanes = packet_lanes(primitives.orders, primitives.header["has_second"], formats)
-    return 4 * int(lanes.sum()) + state_bytes(triangles)
+    words = packet_words(primitives.orders, primitives.header["has_second"], formats)
+    return 4 * int(words.sum()) + state_bytes(triangles)
 
 
 def core_clocks(triangles: ScreenTriangles, formats: Formats) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from quadshade.adapt.polynomial_fit import ORDERS, POINTS, fit, fit_at, split_errors
 from quadshade.adapt.small_triangles import Places, pixel_places
-from quadshade.contract.formats import CONSTANT, LINEAR, PLANES_OF_ORDER, Formats
+from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -22,7 +22,7 @@ from quadshade.shading.sample import CHANNELS, CHUNK, full_scale, reflected
 
 MARGIN = 1.08
 """The largest difference anywhere on a triangle, over that at the grid's points: measured, not a bound."""
-PLANES = np.array(PLANES_OF_ORDER)
+NUM_DIFFERENCES = np.array(DIFFERENCES_OF_ORDER)
 
 
 @dataclass(frozen=True)
@@ -87,15 +87,15 @@ class Shader:
         self.place = np.array(place)
         self.full = 2.0**self.formats.value_bits - 1
         self.orders = ORDERS[: self.formats.max_order + 1]
-        lanes = self.formats.plane_beats * self.formats.stream_lanes
-        share = np.array([lanes / len(group) for group in self.formats.channel_groups for _ in group])
-        self.plane_words = share[self.place]
+        words = self.formats.difference_beats * self.formats.beat_words
+        share = np.array([words / len(group) for group in self.formats.channel_groups for _ in group])
+        self.difference_words = share[self.place]
         beats = self.formats.section_beats("edge") + self.formats.section_beats("second")
-        self.packet_words = beats * self.formats.stream_lanes
+        self.packet_words = beats * self.formats.beat_words
         unused = np.delete(share[: self.formats.num_channels], self.place)
-        self.packet_words += PLANES[CONSTANT] * unused.sum()
+        self.packet_words += NUM_DIFFERENCES[CONSTANT] * unused.sum()
         if self.formats.with_depth:
-            self.packet_words += PLANES[LINEAR] * share[-1]
+            self.packet_words += NUM_DIFFERENCES[LINEAR] * share[-1]
 
     def surface(self, projected: Projected, root: np.ndarray | None = None) -> Surface:
         """A mesh, shaded and fitted; without ``root`` the undivided one."""
@@ -165,7 +165,7 @@ class Shader:
 
     def words(self, orders: np.ndarray) -> np.ndarray:
         """(...) float64 words of packets with a middle vertex, for (..., channels) orders."""
-        return self.packet_words + PLANES[orders] @ self.plane_words
+        return self.packet_words + NUM_DIFFERENCES[orders] @ self.difference_words
 
     def rounding_bounds(self, projected: Projected, samples: np.ndarray) -> np.ndarray:
         """(n, channels) float64 the set-up's own bound of what rounding the highest order's words costs."""
@@ -217,8 +217,8 @@ class ColourShader(Shader):
             good[..., -1] = True
             orders = good.argmax(axis=-1)
         else:
-            planes = PLANES[list(self.orders)] * self.plane_words[:, None]
-            orders = (errors + goal[..., None, None] * planes).argmin(axis=-1)
+            differences = NUM_DIFFERENCES[list(self.orders)] * self.difference_words[:, None]
+            orders = (errors + goal[..., None, None] * differences).argmin(axis=-1)
         return self._of(orders, errors)
 
     def _of(self, orders: np.ndarray, errors: np.ndarray) -> Choice:

@@ -4,6 +4,7 @@ Every number format and the set-up packet's layout: the one source.
 
 ``scripts/generate_vhdl`` writes ``rtl/generated/quadshade_pkg.vhd`` from this module. A width is given as an
 expression over the names of :class:`Formats`, written so that it means the same in Python and in VHDL.
+The words used here are defined in ``docs/reference/glossary.md``.
 """
 
 from __future__ import annotations
@@ -11,21 +12,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 from numbers import Integral
+from typing import NamedTuple
 
+from quadshade.contract.width_expressions import DerivedWidth, evaluate
 from quadshade.errors import QuadshadeError
 
-LANE_BITS = 32
-"""The set-up stream is a row of 32-bit lanes; a beat carries ``stream_width / 32`` of them."""
+SETUP_WORD_BITS = 32
+"""The set-up stream is a row of 32-bit set-up words; a beat carries ``stream_width / 32`` of them."""
 
 CONSTANT, LINEAR, QUADRATIC = 0, 1, 2
 ORDER_NAMES = ("constant", "linear", "quadratic")
 
-PLANES = ("value", "d_row", "d_col", "dd_row", "dd_mixed", "dd_col")
+DIFFERENCES = ("value", "d_row", "d_col", "dd_row", "dd_mixed", "dd_col")
 """
-The words of a channel, in the order in which they are sent (forward differences on the pixel grid, where
-a *row* step goes one scanline down and ``major.step`` pixels along):
+What is sent for a channel, in this order: its value and the forward differences of it on the pixel grid,
+where a *row* step goes one scanline down and ``major.step`` pixels along. Each is a word of ``word_width``
+bits:
 
 ``value``     I at the first pixel
 ``d_row``     I(u + s, y + 1) - I(u, y)
@@ -35,8 +38,8 @@ a *row* step goes one scanline down and ``major.step`` pixels along):
 ``dd_col``    second difference, column-column
 """
 
-PLANES_OF_ORDER = (1, 3, 6)
-"""How many planes a channel of order constant, linear, quadratic needs."""
+DIFFERENCES_OF_ORDER = (1, 3, 6)
+"""How many of :data:`DIFFERENCES` a channel of order constant, linear, quadratic needs."""
 
 FACTOR_BITS = 18
 """Operands of the shade unit's multipliers, those of the FPGAs' own: a lane's value, a coefficient."""
@@ -64,54 +67,35 @@ AMBIENT_ROW = 8
 
 SHADED_COLOURS = 3
 
-DERIVED = (
-    ("carried_channels", "num_channels + with_depth", "colour channels and, last, depth"),
-    ("column_bits", "coord_bits + 1", "a column is 0 .. 2**coord_bits, both included"),
-    ("edge_bits", "coord_bits + subpixel_bits + 2", "an edge's height: the guard band is 3 screens high"),
-    ("error_bits", "edge_bits + 1", "the DDA's error lies in -height .. height - 1"),
-    ("depth_frac_bits", "word_width - depth_bits - 2", "one bit of overshoot and the sign stay free"),
-    ("stream_lanes", "stream_width / 32", "lanes of a beat"),
-    ("word_lanes", "(word_width + 31) / 32", "lanes of one channel word"),
-    ("lane_value_bits", "value_bits + with_shade * shade_guard_bits", "what a colour lane emits"),
-    ("lane_frac_bits", "frac_bits - with_shade * shade_guard_bits", "the same word, cut lower"),
-    (
-        "emitted_channels",
-        f"num_channels * (1 - with_shade) + {SHADED_COLOURS} * with_shade",
-        "colours of a pixel",
-    ),
-    (
-        "sum_levels",
-        "(num_channels + 6) / 8 + (num_channels + 5) / 8 + (num_channels + 3) / 8",
-        "of the tree that adds up to 8 channels: the binary logarithm, rounded up",
-    ),
-    (
-        "shade_stages",
-        f"({POWER_STAGES} + 4 + sum_levels) * with_shade",
-        "power, operand, product, sums, ambient, clamp; the output's registers come behind",
-    ),
-)
-"""Derived widths: name, expression, why."""
+
+class BitField(NamedTuple):
+    """A bit field of the set-up packet; its width is an expression over the names of :class:`Formats`."""
+
+    name: str
+    width: str
+    meaning: str
+
 
 HEADER_FIELDS = (
-    ("has_second", "1", "the minor side changes its edge at the middle vertex"),
-    ("mirror", "1", "the major edge is on the right: x is the bitwise NOT of u"),
-    (
+    BitField("has_second", "1", "the minor side changes its edge at the middle vertex"),
+    BitField("mirror", "1", "the major edge is on the right: x is the bitwise NOT of u"),
+    BitField(
         "fractional",
         "1",
         "colour steps at the fractional edge (Abbas et al., section 5), not at pixel centres",
     ),
-    ("orders", "2 * carried_channels", "order of each channel, two bits each, channel 0 lowest"),
-    ("y", "coord_bits", "first scanline"),
-    ("rows_first", "column_bits", "scanlines along the first minor edge, minus 2, two's complement"),
-    ("rows_second", "column_bits", "scanlines along the second minor edge, minus 2"),
+    BitField("orders", "2 * carried_channels", "order of each channel, two bits each, channel 0 lowest"),
+    BitField("y", "coord_bits", "first scanline"),
+    BitField("rows_first", "column_bits", "scanlines along the first minor edge, minus 2, two's complement"),
+    BitField("rows_second", "column_bits", "scanlines along the second minor edge, minus 2"),
 )
 
 EDGE_FIELDS = (
-    ("column", "column_bits", "u at the first scanline"),
-    ("error", "error_bits", "e + increment - height at the first scanline: its sign says no carry"),
-    ("step", "column_bits", "dx div height: whole pixels a scanline"),
-    ("increment", "edge_bits", "dx mod height"),
-    ("decrement", "error_bits", "increment - height"),
+    BitField("column", "column_bits", "u at the first scanline"),
+    BitField("error", "error_bits", "e + increment - height at the first scanline: its sign says no carry"),
+    BitField("step", "column_bits", "dx div height: whole pixels a scanline"),
+    BitField("increment", "edge_bits", "dx mod height"),
+    BitField("decrement", "error_bits", "increment - height"),
 )
 
 EDGES = ("major", "minor", "second")
@@ -119,10 +103,10 @@ EDGES = ("major", "minor", "second")
 SECTIONS = (
     (
         "edge",
-        tuple(HEADER_FIELDS)
-        + tuple((f"{e}_{n}", w, d) for e in ("major", "minor") for n, w, d in EDGE_FIELDS),
+        HEADER_FIELDS
+        + tuple(BitField(f"{e}_{n}", w, d) for e in ("major", "minor") for n, w, d in EDGE_FIELDS),
     ),
-    ("second", tuple((f"second_{n}", w, d) for n, w, d in EDGE_FIELDS)),
+    ("second", tuple(BitField(f"second_{n}", w, d) for n, w, d in EDGE_FIELDS)),
 )
 """Sections of bit fields, least significant bit first; each starts on a beat of its own."""
 
@@ -146,27 +130,37 @@ GENERIC_HELP = {
 SHADE_GENERICS = ("with_shade", "num_specular", "shade_guard_bits")
 """Generics of what follows the rasteriser core; it has all others."""
 
+
+class GenericRange(NamedTuple):
+    """Allowed values of a generic, both included; the range holds where ``condition`` is not 0."""
+
+    name: str
+    lowest: str
+    highest: str
+    condition: str
+
+
 GENERIC_RANGES = (
-    ("num_channels", "1", "8", "1"),
-    ("max_order", "0", "2", "1"),
-    ("with_depth", "0", "1", "1"),
-    ("word_width", "12", "60", "1"),
-    ("value_bits", "1", "18", "1"),
-    ("depth_bits", "1", "31", "1"),
-    ("subpixel_bits", "0", "12", "1"),
-    ("coord_bits", "3", "13", "1"),
-    ("span_depth", "1", "16", "1"),
+    GenericRange("num_channels", "1", "8", "1"),
+    GenericRange("max_order", "0", "2", "1"),
+    GenericRange("with_depth", "0", "1", "1"),
+    GenericRange("word_width", "12", "60", "1"),
+    GenericRange("value_bits", "1", "18", "1"),
+    GenericRange("depth_bits", "1", "31", "1"),
+    GenericRange("subpixel_bits", "0", "12", "1"),
+    GenericRange("coord_bits", "3", "13", "1"),
+    GenericRange("span_depth", "1", "16", "1"),
     # A quadratic through six values in [0, 1] stays within [-1/3, 4/3]: the sign and one more bit.
-    ("frac_bits", "0", "word_width - value_bits - 2", "1"),
-    ("depth_bits", "1", "word_width - 2", "with_depth"),
-    ("with_shade", "0", "1", "1"),
-    ("num_specular", "1", "num_channels", "with_shade"),
-    ("value_bits", "4", "14", "with_shade"),
-    # A lane's value is an operand of a multiplier, and a power table's index has 5 bits below its first.
-    ("shade_guard_bits", "4", f"{FACTOR_BITS} - value_bits", "with_shade"),
-    ("frac_bits", "shade_guard_bits", "word_width - value_bits - 2", "with_shade"),
+    GenericRange("frac_bits", "0", "word_width - value_bits - 2", "1"),
+    GenericRange("depth_bits", "1", "word_width - 2", "with_depth"),
+    GenericRange("with_shade", "0", "1", "1"),
+    GenericRange("num_specular", "1", "num_channels", "with_shade"),
+    GenericRange("value_bits", "4", "14", "with_shade"),
+    # What a lane emits is an operand of a multiplier; a power table's index has 5 bits below its first.
+    GenericRange("shade_guard_bits", "4", f"{FACTOR_BITS} - value_bits", "with_shade"),
+    GenericRange("frac_bits", "shade_guard_bits", "word_width - value_bits - 2", "with_shade"),
 )
-"""Allowed values of a generic: name, lowest, highest (both included), and what must be 1 for it to hold."""
+"""Every range of every generic; all that hold have to be met."""
 
 GENERIC_CHOICES = (("stream_width", (32, 64, 128)),)
 """Generics with a few allowed values: name and values."""
@@ -175,7 +169,7 @@ GENERIC_CHOICES = (("stream_width", (32, 64, 128)),)
 @dataclass(frozen=True)
 class Formats:
     """
-    The generics of the core, under their VHDL names, with their defaults.
+    The generics of the core, under their VHDL names, with their defaults, and what follows from them.
 
     Raises
     ------
@@ -198,6 +192,36 @@ class Formats:
     num_specular: int = 1
     shade_guard_bits: int = 10
 
+    carried_channels = DerivedWidth("num_channels + with_depth", "colour channels and, last, depth")
+    column_bits = DerivedWidth("coord_bits + 1", "a column is 0 .. 2**coord_bits, both included")
+    edge_bits = DerivedWidth(
+        "coord_bits + subpixel_bits + 2", "an edge's height: the guard band is 3 screens high"
+    )
+    error_bits = DerivedWidth("edge_bits + 1", "the DDA's error lies in -height .. height - 1")
+    depth_frac_bits = DerivedWidth(
+        "word_width - depth_bits - 2", "one bit of overshoot and the sign stay free"
+    )
+    beat_words = DerivedWidth("stream_width / 32", "set-up words of a beat")
+    difference_words = DerivedWidth("(word_width + 31) / 32", "set-up words of one difference")
+    lane_value_bits = DerivedWidth(
+        "value_bits + with_shade * shade_guard_bits", "what a colour channel's lane emits"
+    )
+    lane_frac_bits = DerivedWidth(
+        "frac_bits - with_shade * shade_guard_bits",
+        "fraction below what a lane emits: the same word, cut lower",
+    )
+    emitted_channels = DerivedWidth(
+        f"num_channels * (1 - with_shade) + {SHADED_COLOURS} * with_shade", "colours of a pixel"
+    )
+    sum_levels = DerivedWidth(
+        "(num_channels + 6) / 8 + (num_channels + 5) / 8 + (num_channels + 3) / 8",
+        "of the tree that adds up to 8 channels: the binary logarithm, rounded up",
+    )
+    shade_stages = DerivedWidth(
+        f"({POWER_STAGES} + 4 + sum_levels) * with_shade",
+        "power, operand, product, sums, ambient, clamp; the output's registers come behind",
+    )
+
     def __post_init__(self) -> None:
         self.check()
 
@@ -216,15 +240,9 @@ class Formats:
                 limit = highest if highest.isdecimal() else f"{highest} = {high}"
                 raise QuadshadeError(f"generic {name} is {got}", f"give a value from {low} to {limit}")
 
-    def __getattr__(self, name: str) -> int:
-        for derived, expression, _ in DERIVED:
-            if derived == name:
-                return self.evaluate(expression)
-        raise AttributeError(name)
-
     def evaluate(self, expression: str) -> int:
-        """Value of a width expression of this module's tables (integers, ``+ - * /`` with floor division)."""
-        return _evaluate(self, expression)
+        """Value of a width expression over these names (:func:`.width_expressions.evaluate`)."""
+        return evaluate(expression, self)
 
     def with_generics(self, settings: dict[str, int]) -> Formats:
         """
@@ -249,7 +267,7 @@ class Formats:
 
     @property
     def core(self) -> Formats:
-        """Formats of the rasteriser core within: with shade its lanes emit more bits of the same words."""
+        """Formats of the rasteriser core within: with shade its lanes emit more bits of the same values."""
         plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
         return replace(self, value_bits=self.lane_value_bits, frac_bits=self.lane_frac_bits, **plain)
 
@@ -277,22 +295,23 @@ class Formats:
     @property
     def channel_groups(self) -> tuple[tuple[int, ...], ...]:
         """
-        Channels that share a beat, group by group; a group is sent plane by plane, up to its highest order.
+        Channels that share a beat, group by group; a group sends its differences in order, a beat each.
 
-        A word of more lanes than a beat has makes a group of one channel whose planes take several beats.
+        A difference of more set-up words than a beat has makes a group of one channel, whose differences take
+        several beats each.
         """
-        per_beat = max(1, self.stream_lanes // self.word_lanes)
+        per_beat = max(1, self.beat_words // self.difference_words)
         channels = range(self.carried_channels)
         return tuple(tuple(channels[i : i + per_beat]) for i in range(0, self.carried_channels, per_beat))
 
     @property
-    def plane_beats(self) -> int:
-        """Beats of one plane of one group."""
-        return -(-self.word_lanes // self.stream_lanes)
+    def difference_beats(self) -> int:
+        """Beats of one difference of one group."""
+        return -(-self.difference_words // self.beat_words)
 
     @property
     def channel_frac_bits(self) -> tuple[int, ...]:
-        """Fraction bits of every carried channel's words (depth last)."""
+        """Fraction bits of every carried channel's differences (depth last)."""
         return (self.frac_bits,) * self.num_channels + (self.depth_frac_bits,) * self.with_depth
 
     @property
@@ -312,13 +331,12 @@ class Formats:
         return -size, 2 * size - 1
 
 
-@lru_cache(maxsize=4096)
-def _evaluate(formats: Formats, expression: str) -> int:
-    """The value of an expression, which is asked for often and takes long."""
-    names = formats.generics()
-    for derived, text, _ in DERIVED:
-        names[derived] = eval(text.replace("/", "//"), {}, names)
-    return eval(expression.replace("/", "//"), {}, names)
+DERIVED = tuple(
+    (name, width.expression, width.meaning)
+    for name, width in vars(Formats).items()
+    if isinstance(width, DerivedWidth)
+)
+"""Derived widths, in the order of :class:`Formats`: name, expression, meaning."""
 
 
 def parse_generics(values: Iterable[str]) -> dict[str, int]:

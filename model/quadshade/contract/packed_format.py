@@ -28,16 +28,17 @@ FIELD_KINDS = (
 """Kinds of fields, one width for each: name, fill. Both counts of rows, and all edges, share theirs."""
 
 CHANNEL_KINDS = ("colour", "depth", "specular")
-"""Kinds of channels, whose planes share widths: diffuse channels are colours."""
+"""Kinds of channels, whose differences share widths: diffuse channels are colours."""
 
 KIND_WIDTHS = 16
-"""Addresses for a kind of channel: of plane p, 2 p the bits below, 2 p + 1 the highest bit sent."""
+"""Addresses for a kind of channel: of difference d, 2 d the bits below, 2 d + 1 the highest bit sent."""
 
 FIELD_WIDTHS = 24
-"""Address of the first kind of fields' width, the highest bit sent: behind those of depth's three planes."""
+"""Address of the first kind of fields' width, the highest bit sent: behind those of depth's three
+differences."""
 
 SIZES = (
-    ("width_bits", "4 + word_lanes", "of a width: the number of a bit, from 0"),
+    ("width_bits", "4 + difference_words", "of a width: the number of a bit, from 0"),
     ("width_address_bits", "5 + with_shade", "of the address of a width: specular channels' lie behind"),
 )
 """Sizes that depend on the formats: name, expression over their names, why."""

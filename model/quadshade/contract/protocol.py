@@ -8,6 +8,7 @@ The one source: ``scripts/generate_vhdl`` writes ``rtl/generated/link_pkg.vhd`` 
 
 from __future__ import annotations
 
+import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -241,13 +242,24 @@ def _numbers(table: object) -> object:
     return table
 
 
+HASHED_NAMES = (("beat_words", "stream_lanes"), ("difference_words", "word_lanes"))
+"""
+Derived widths and the names under which :func:`definition_text` has them. A name means nothing on the line, so
+boards built before these were renamed still agree with the host.
+"""
+
+
 def definition_text() -> str:
-    """Everything that host and board must agree on, as text: formats, packet layout, protocol."""
+    """
+    Everything that host and board must agree on, as text: formats, packet layout, protocol.
+
+    Its labels and the names of :data:`HASHED_NAMES` never change: HELLO's ``definition`` is made from it.
+    """
     tables = (
         ("derived", formats.DERIVED),
         ("sections", tuple((name, _numbers(section)) for name, section in formats.SECTIONS)),
-        ("planes", formats.PLANES),
-        ("planes_of_order", formats.PLANES_OF_ORDER),
+        ("planes", formats.DIFFERENCES),
+        ("planes_of_order", formats.DIFFERENCES_OF_ORDER),
         ("packed", (packed_format.FIELD_KINDS, packed_format.RAW_FIELDS, packed_format.FILLS)),
         ("channel_kinds", packed_format.CHANNEL_KINDS),
         ("widths", (packed_format.KIND_WIDTHS, packed_format.FIELD_WIDTHS, packed_format.SIZES)),
@@ -265,7 +277,10 @@ def definition_text() -> str:
             ),
         ),
     )
-    return "\n".join(f"{name} {_numbers(table)!r}" for name, table in tables)
+    text = "\n".join(f"{name} {_numbers(table)!r}" for name, table in tables)
+    for name, hashed in HASHED_NAMES:
+        text = re.sub(rf"\b{name}\b", hashed, text)
+    return text
 
 
 def definition_hash() -> int:

@@ -86,7 +86,7 @@ class Drawing:
     stats : dict
       ``engine``, ``clocks`` (first set-up word accepted to last pixel out, stream always valid, sink always
       ready), ``pixels``, ``triangles`` (all that were given), ``triangles_drawn`` (by at least one packet),
-      ``packets``, ``words`` (32-bit lanes), ``bound`` (grey levels, before rounding to a whole one) and
+      ``packets``, ``words`` (of 32 bits), ``bound`` (grey levels, before rounding to a whole one) and
       ``triangles_undefined`` (by the set-up method; drawn as 0).
     """
 

@@ -39,7 +39,7 @@ def draw_words(
     Parameters
     ----------
     words : (m,) uint32
-      32-bit lanes, whole packets.
+      32-bit set-up words, whole packets.
     formats : Formats
     engine : str
       One of ``ENGINES``.

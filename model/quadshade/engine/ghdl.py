@@ -34,9 +34,9 @@ def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
 
 
 def write_beats(words: np.ndarray, formats: Formats, path: Path) -> None:
-    """Beats as hexadecimal lines, the first lane rightmost."""
-    beats = words.astype(np.uint32).reshape(-1, formats.stream_lanes)[:, ::-1]
-    row = "%08x" * formats.stream_lanes
+    """Beats as hexadecimal lines, the first set-up word rightmost."""
+    beats = words.astype(np.uint32).reshape(-1, formats.beat_words)[:, ::-1]
+    row = "%08x" * formats.beat_words
     path.write_text("".join(f"{row % tuple(beat)}\n" for beat in beats.tolist()))
 
 
@@ -86,7 +86,7 @@ def draw_ghdl(
     Parameters
     ----------
     words : (m,) uint32
-      32-bit lanes, whole packets, each of which draws at least one pixel on its last scanline: the packet
+      Set-up words of whole packets, each of which draws at least one pixel on its last scanline: the packet
       of a pixel is counted by the core's flag of a primitive's last pixel.
     formats : Formats
     waves : Path, optional

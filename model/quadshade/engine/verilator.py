@@ -172,7 +172,7 @@ def draw_verilator(
     Parameters
     ----------
     words : (m,) uint32
-      32-bit lanes, whole packets, each of which draws at least one pixel on its last scanline: the packet
+      Set-up words of whole packets, each of which draws at least one pixel on its last scanline: the packet
       of a pixel is counted by the core's flag of a primitive's last pixel.
     formats : Formats
     stall_period : int

@@ -5,35 +5,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
+from quadshade.contract.arrays import Ints, Record, Records, Words32
 from quadshade.contract.formats import (
+    DIFFERENCES,
+    DIFFERENCES_OF_ORDER,
     EDGE_FIELDS,
     EDGES,
-    LANE_BITS,
-    PLANES,
-    PLANES_OF_ORDER,
+    HEADER_FIELDS,
     QUADRATIC,
+    SETUP_WORD_BITS,
     Formats,
 )
 from quadshade.errors import QuadshadeError
 from quadshade.golden.clocks import count_clocks
 from quadshade.golden.core.setup_loader import built_order
 
-HEADER = ("has_second", "mirror", "fractional", "orders", "y", "rows_first", "rows_second")
-COLUMNS = HEADER + tuple(f"{edge}_{name}" for edge in EDGES for name, _, _ in EDGE_FIELDS)
-"""Columns of the table of packet fields."""
+EDGE = np.dtype([(field.name, np.int64) for field in EDGE_FIELDS])
+"""An edge of a packet."""
 
-SIGNED_COLUMNS = ("rows_first", "rows_second") + tuple(
-    f"{e}_{n}" for e in EDGES for n in ("error", "decrement")
+PACKET = np.dtype([(field.name, np.int64) for field in HEADER_FIELDS] + [(edge, EDGE) for edge in EDGES])
+"""A packet's fields; those of a second section that was not sent are zero."""
+
+FIELDS = tuple(field.name for field in HEADER_FIELDS) + tuple(
+    f"{edge}_{field.name}" for edge in EDGES for field in EDGE_FIELDS
 )
-HAS_SECOND, MIRROR, FRACTIONAL, ORDERS, Y, ROWS_FIRST, ROWS_SECOND, MAJOR, MINOR, SECOND = (
-    *range(len(HEADER)),
-    *(len(HEADER) + len(EDGE_FIELDS) * index for index in range(len(EDGES))),
+"""Names of the numbers of :data:`PACKET`, in order, as ``Formats.section`` has them."""
+
+SIGNED_FIELDS = ("rows_first", "rows_second") + tuple(
+    f"{edge}_{name}" for edge in EDGES for name in ("error", "decrement")
 )
-COLUMN, ERROR, STEP, INCREMENT, DECREMENT = range(len(EDGE_FIELDS))
+
+CHANNEL = np.dtype([(name, np.int64) for name in DIFFERENCES])
+"""A channel's differences in a packet."""
 
 
 @dataclass
@@ -59,138 +67,190 @@ class EmittedPixels:
     packets: int
 
 
+class _Layout(NamedTuple):
+    """
+    What the kernels need of the formats. Lengths are in set-up words.
+
+    ``offsets``, ``widths`` and ``signs`` (what a field's sign bit is worth, 0 without one) are those of
+    :data:`FIELDS`; from index ``second_from`` on they stand in the second section. ``built`` is each group's
+    highest order, ``channel_differences``, ``frac_bits`` and ``limits`` (greatest value emitted) have an entry
+    a channel.
+    """
+
+    orders_offset: int
+    orders_width: int
+    offsets: Ints
+    widths: Ints
+    signs: Ints
+    second_from: int
+    edge_words: int
+    second_words: int
+    group_words: int
+    difference_words: int
+    group_size: int
+    built: Ints
+    channel_differences: Ints
+    frac_bits: Ints
+    limits: Ints
+    word_width: int
+    coord_mask: int
+    column_mask: int
+    error_mask: int
+
+
+class _Scanlines(NamedTuple):
+    """
+    Every scanline of every packet.
+
+    ``first_rows`` (n + 1) is the index of each packet's first one, and their number; ``start`` the column u of
+    the span, ``pixels`` how many it has, ``carries`` whether the major edge carries behind it.
+    """
+
+    first_rows: Ints
+    start: Ints
+    pixels: Ints
+    carries: np.ndarray
+
+
+@lru_cache
+def _layout(formats: Formats) -> _Layout:
+    """The layout of the packets; the formats' own tables are evaluated once."""
+    fields = formats.section("edge") | formats.section("second")
+    groups = formats.channel_groups
+    signs = [1 << (fields[name][1] - 1) if name in SIGNED_FIELDS else 0 for name in FIELDS]
+    return _Layout(
+        *fields["orders"],
+        offsets=np.array([fields[name][0] for name in FIELDS]),
+        widths=np.array([fields[name][1] for name in FIELDS]),
+        signs=np.array(signs),
+        second_from=len(FIELDS) - len(EDGE_FIELDS),
+        edge_words=formats.section_beats("edge") * formats.beat_words,
+        second_words=formats.section_beats("second") * formats.beat_words,
+        group_words=formats.difference_beats * formats.beat_words,
+        difference_words=formats.difference_words,
+        group_size=len(groups[0]),
+        built=np.array([built_order(group, formats) for group in groups]),
+        channel_differences=np.array(DIFFERENCES_OF_ORDER)[list(formats.channel_max_order)],
+        frac_bits=np.array(formats.channel_frac_bits),
+        limits=(1 << np.array(formats.channel_value_bits)) - 1,
+        word_width=formats.word_width,
+        coord_mask=(1 << formats.coord_bits) - 1,
+        column_mask=(1 << formats.column_bits) - 1,
+        error_mask=(1 << formats.error_bits) - 1,
+    )
+
+
 @numba.njit(cache=True)
-def _field(words: np.ndarray, lane: int, offset: int, width: int) -> int:
-    """A raw bit field of at most 32 bits, read across a lane boundary where it stands there."""
-    at = lane + offset // LANE_BITS
-    shift = offset % LANE_BITS
+def _field(words: Words32, at: int, offset: int, width: int) -> int:
+    """A raw bit field of at most 32 bits of the section at a set-up word; it may stand in two words."""
+    at += offset // SETUP_WORD_BITS
+    shift = offset % SETUP_WORD_BITS
     raw = np.int64(words[at]) >> shift
-    if shift + width > LANE_BITS:
-        raw |= np.int64(words[at + 1]) << (LANE_BITS - shift)
+    if shift + width > SETUP_WORD_BITS:
+        raw |= np.int64(words[at + 1]) << (SETUP_WORD_BITS - shift)
     return raw & ((np.int64(1) << width) - 1)
 
 
 @numba.njit(cache=True)
-def _packet_planes(
-    orders: int, group: int, group_size: int, channels: int, built: np.ndarray, planes_of_order: np.ndarray
-) -> int:
-    """Planes that a channel group sends."""
-    order = 0
-    for channel in range(group * group_size, min((group + 1) * group_size, channels)):
-        order = max(order, min((orders >> (2 * channel)) & 3, QUADRATIC))
-    return planes_of_order[min(order, built[group])]
+def _group_end(group: int, layout: _Layout) -> int:
+    """The channel behind a group's last one."""
+    return min((group + 1) * layout.group_size, len(layout.channel_differences))
 
 
 @numba.njit(cache=True)
-def _find_packets(
-    words: np.ndarray,
-    orders_offset: int,
-    orders_width: int,
-    edge_lanes: int,
-    second_lanes: int,
-    plane_lanes: int,
-    group_size: int,
-    channels: int,
-    built: np.ndarray,
-    planes_of_order: np.ndarray,
-) -> np.ndarray:
-    """First lane of every packet, and the end; the last is beyond the stream where a packet is cut off."""
+def _group_differences(orders: int, group: int, layout: _Layout) -> int:
+    """Differences that a channel group sends."""
+    order = 0
+    for channel in range(group * layout.group_size, _group_end(group, layout)):
+        order = max(order, min((orders >> (2 * channel)) & 3, QUADRATIC))
+    return DIFFERENCES_OF_ORDER[min(order, layout.built[group])]
+
+
+@numba.njit(cache=True)
+def _find_packets(words: Words32, layout: _Layout) -> Ints:
+    """First set-up word of every packet, and the end, which is beyond the stream if a packet is cut off."""
     starts = [0]
-    lane = 0
-    while lane < len(words):
-        if lane + edge_lanes > len(words):
-            starts.append(lane + edge_lanes)
+    at = 0
+    while at < len(words):
+        if at + layout.edge_words > len(words):
+            starts.append(at + layout.edge_words)
             break
-        orders = _field(words, lane, orders_offset, orders_width)
-        lane += edge_lanes + second_lanes * (words[lane] & 1)
-        for group in range(len(built)):
-            lane += plane_lanes * _packet_planes(orders, group, group_size, channels, built, planes_of_order)
-        starts.append(lane)
+        orders = _field(words, at, layout.orders_offset, layout.orders_width)
+        at += layout.edge_words + layout.second_words * (words[at] & 1)
+        for group in range(len(layout.built)):
+            at += layout.group_words * _group_differences(orders, group, layout)
+        starts.append(at)
     return np.array(starts)
 
 
 @numba.njit(cache=True)
-def _read_fields(
-    words: np.ndarray,
-    starts: np.ndarray,
-    offsets: np.ndarray,
-    widths: np.ndarray,
-    second: int,
-    edge_lanes: int,
-) -> np.ndarray:
-    """(n, columns) raw fields; from column ``second`` on they stand in the second section, if any."""
-    table = np.zeros((len(starts) - 1, len(offsets)), np.int64)
-    for column in range(len(offsets)):
-        offset, width = offsets[column], widths[column]
+def _read_fields(words: Words32, starts: Ints, layout: _Layout) -> Ints:
+    """(n, FIELDS) fields of all packets, sign extended where they have one."""
+    table = np.zeros((len(starts) - 1, len(layout.offsets)), np.int64)
+    for index in range(len(layout.offsets)):
+        offset, width, sign = layout.offsets[index], layout.widths[index], layout.signs[index]
         for packet in range(len(table)):
-            lane = starts[packet]
-            if column < second:
-                table[packet, column] = _field(words, lane, offset, width)
-            elif words[lane] & 1:
-                table[packet, column] = _field(words, lane + edge_lanes, offset, width)
+            at = starts[packet]
+            raw = 0
+            if index < layout.second_from:
+                raw = _field(words, at, offset, width)
+            elif words[at] & 1:
+                raw = _field(words, at + layout.edge_words, offset, width)
+            table[packet, index] = (raw ^ sign) - sign
     return table
 
 
 @numba.njit(cache=True)
-def _read_planes(
-    words: np.ndarray,
-    starts: np.ndarray,
-    table: np.ndarray,
-    edge_lanes: int,
-    second_lanes: int,
-    plane_lanes: int,
-    word_lanes: int,
-    group_size: int,
-    built: np.ndarray,
-    channel_planes: np.ndarray,
-    planes_of_order: np.ndarray,
-) -> np.ndarray:
-    """(n, c, 6) raw channel words; planes that were not sent, or not connected, are zero."""
-    channels = len(channel_planes)
-    planes = np.zeros((len(table), channels, len(PLANES)), np.int64)
-    for packet in range(len(table)):
-        lane = starts[packet] + edge_lanes + second_lanes * table[packet, HAS_SECOND]
-        for group in range(len(built)):
-            count = _packet_planes(table[packet, ORDERS], group, group_size, channels, built, planes_of_order)
-            for plane in range(count):
-                for channel in range(group * group_size, min((group + 1) * group_size, channels)):
-                    if plane < channel_planes[channel]:
-                        at = lane + (channel - group * group_size) * word_lanes
-                        for part in range(word_lanes):
-                            planes[packet, channel, plane] |= np.int64(words[at + part]) << (LANE_BITS * part)
-                lane += plane_lanes
-    return planes
+def _read_differences(words: Words32, starts: Ints, packets: Records, layout: _Layout) -> Ints:
+    """(n, c, 6) raw differences; those that were not sent, or are not connected, are zero."""
+    channels = len(layout.channel_differences)
+    out = np.zeros((len(packets), channels, len(DIFFERENCES)), np.int64)
+    for packet in range(len(packets)):
+        fields = packets[packet]
+        at = starts[packet] + layout.edge_words + layout.second_words * fields["has_second"]
+        for group in range(len(layout.built)):
+            first = group * layout.group_size
+            for difference in range(_group_differences(fields["orders"], group, layout)):
+                for channel in range(first, _group_end(group, layout)):
+                    if difference < layout.channel_differences[channel]:
+                        begin = at + (channel - first) * layout.difference_words
+                        for part in range(layout.difference_words):
+                            raw = np.int64(words[begin + part])
+                            out[packet, channel, difference] |= raw << (SETUP_WORD_BITS * part)
+                at += layout.group_words
+    return out
 
 
 @numba.njit(cache=True)
-def _walk_edges(table: np.ndarray, column_mask: int, error_mask: int) -> tuple:
-    """Every scanline of every packet: first row of each packet, then y, column, pixels and carry a row."""
-    packets = len(table)
+def _packet_rows(fields: Record) -> int:
+    """Scanlines that a packet walks."""
+    rows = max(fields["rows_first"] + 2, 1)
+    return rows + max(fields["rows_second"] + 2, 1) if fields["has_second"] else rows
+
+
+@numba.njit(cache=True)
+def _walk_edges(packets: Records, layout: _Layout) -> _Scanlines:
+    """Every scanline of every packet."""
+    column_mask, error_mask = layout.column_mask, layout.error_mask
     sign = (column_mask + 1) >> 1
     error_sign = (error_mask + 1) >> 1
-    first_rows = np.zeros(packets + 1, np.int64)
-    for packet in range(packets):
-        rows = max(table[packet, ROWS_FIRST] + 2, 1)
-        if table[packet, HAS_SECOND]:
-            rows += max(table[packet, ROWS_SECOND] + 2, 1)
-        first_rows[packet + 1] = first_rows[packet] + rows
-    total = first_rows[packets]
+    first_rows = np.zeros(len(packets) + 1, np.int64)
+    for packet in range(len(packets)):
+        first_rows[packet + 1] = first_rows[packet] + _packet_rows(packets[packet])
+    total = first_rows[len(packets)]
     start = np.empty(total, np.int64)
     pixels = np.empty(total, np.int64)
     carries = np.empty(total, np.uint8)
-    for packet in range(packets):
-        fields = table[packet]
-        major, minor = MAJOR, MINOR
-        u = fields[major + COLUMN]
-        error = fields[major + ERROR]
-        end = fields[minor + COLUMN]
-        end_error = fields[minor + ERROR]
-        switch = first_rows[packet] + max(fields[ROWS_FIRST] + 2, 1)
+    for packet in range(len(packets)):
+        fields = packets[packet]
+        major, minor = fields["major"], fields["minor"]
+        u, error = major["column"], major["error"]
+        end, end_error = minor["column"], minor["error"]
+        switch = first_rows[packet] + max(fields["rows_first"] + 2, 1)
         for row in range(first_rows[packet], first_rows[packet + 1]):
             if row == switch:
-                minor = SECOND
-                end = fields[minor + COLUMN]
-                end_error = fields[minor + ERROR]
+                minor = fields["second"]
+                end, end_error = minor["column"], minor["error"]
             count = (end - u - 2) & column_mask
             if count & sign:
                 count -= column_mask + 1
@@ -198,57 +258,52 @@ def _walk_edges(table: np.ndarray, column_mask: int, error_mask: int) -> tuple:
             pixels[row] = count + 2 if count >= 0 else count & 1
             carries[row] = error >= 0
             if error >= 0:
-                u = (u + fields[major + STEP] + 1) & column_mask
-                error += fields[major + DECREMENT]
+                u = (u + major["step"] + 1) & column_mask
+                error += major["decrement"]
             else:
-                u = (u + fields[major + STEP]) & column_mask
-                error += fields[major + INCREMENT]
+                u = (u + major["step"]) & column_mask
+                error += major["increment"]
             if end_error >= 0:
-                end = (end + fields[minor + STEP] + 1) & column_mask
-                end_error += fields[minor + DECREMENT]
+                end = (end + minor["step"] + 1) & column_mask
+                end_error += minor["decrement"]
             else:
-                end = (end + fields[minor + STEP]) & column_mask
-                end_error += fields[minor + INCREMENT]
+                end = (end + minor["step"]) & column_mask
+                end_error += minor["increment"]
             error = ((error + error_sign) & error_mask) - error_sign
             end_error = ((end_error + error_sign) & error_mask) - error_sign
-    return first_rows, start, pixels, carries
+    return _Scanlines(first_rows, start, pixels, carries)
 
 
 @numba.njit(cache=True)
 def _draw(
-    table: np.ndarray,
-    planes: np.ndarray,
-    first_rows: np.ndarray,
-    start: np.ndarray,
-    pixels: np.ndarray,
-    carries: np.ndarray,
-    coord_mask: int,
-    word_width: int,
-    frac_bits: np.ndarray,
-    limits: np.ndarray,
-) -> tuple:
+    packets: Records, differences: Records, scanlines: _Scanlines, layout: _Layout
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Every pixel: packet, x, y, and (n, c) clamped values. int64 wraps modulo 2**64, so modulo 2**W too."""
+    first_rows, start, pixels, carries = scanlines
+    coord_mask, limits = layout.coord_mask, layout.limits
     total = pixels.sum()
-    channels = planes.shape[1]
+    channels = differences.shape[1]
     packet_of = np.empty(total, np.int32)
     x = np.empty(total, np.int32)
     y = np.empty(total, np.int32)
     value = np.empty((total, channels), np.int32)
     # The sign bit moves to the top of 64, the fraction out at the bottom.
-    spare = 64 - word_width
-    shift = spare + frac_bits
-    # A row a plane: one lane of the core is a column.
+    spare = 64 - layout.word_width
+    shift = spare + layout.frac_bits
+    # A column of these arrays is what one lane of the core holds.
     word, d_row, d_col, dd_row, dd_mixed, dd_col = np.empty((6, channels), np.int64)
     span, step = np.empty((2, channels), np.int64)
     position = 0
-    for packet in range(len(table)):
-        mask = coord_mask if table[packet, MIRROR] else 0
-        scanline = table[packet, Y]
-        fractional = table[packet, FRACTIONAL] != 0
+    for packet in range(len(packets)):
+        fields = packets[packet]
+        mask = coord_mask if fields["mirror"] else 0
+        scanline = fields["y"]
+        fractional = fields["fractional"] != 0
         for channel in range(channels):
-            plane = planes[packet, channel]
-            word[channel], d_row[channel], d_col[channel] = plane[0], plane[1], plane[2]
-            dd_row[channel], dd_mixed[channel], dd_col[channel] = plane[3], plane[4], plane[5]
+            sent = differences[packet, channel]
+            word[channel], d_row[channel], d_col[channel] = sent["value"], sent["d_row"], sent["d_col"]
+            dd_row[channel], dd_mixed[channel] = sent["dd_row"], sent["dd_mixed"]
+            dd_col[channel] = sent["dd_col"]
         for row in range(first_rows[packet], first_rows[packet + 1]):
             stop = position + pixels[row]
             column = start[row] - position
@@ -278,46 +333,6 @@ def _draw(
     return packet_of, x, y, value
 
 
-@dataclass(frozen=True)
-class _Layout:
-    """What the kernels need of the formats: lanes of the sections, columns of the table, channels."""
-
-    orders: tuple[int, int]
-    offsets: np.ndarray
-    widths: np.ndarray
-    edge_lanes: int
-    second_lanes: int
-    plane_lanes: int
-    group_size: int
-    built: np.ndarray
-    planes_of_order: np.ndarray
-    channel_planes: np.ndarray
-    frac_bits: np.ndarray
-    limits: np.ndarray
-
-
-@lru_cache
-def _layout(formats: Formats) -> _Layout:
-    """The layout of the packets; the formats' own tables are evaluated once."""
-    fields = formats.section("edge") | formats.section("second")
-    groups = formats.channel_groups
-    planes_of_order = np.array(PLANES_OF_ORDER)
-    return _Layout(
-        fields["orders"],
-        np.array([fields[name][0] for name in COLUMNS]),
-        np.array([fields[name][1] for name in COLUMNS]),
-        formats.section_beats("edge") * formats.stream_lanes,
-        formats.section_beats("second") * formats.stream_lanes,
-        formats.plane_beats * formats.stream_lanes,
-        len(groups[0]),
-        np.array([built_order(group, formats) for group in groups]),
-        planes_of_order,
-        planes_of_order[list(formats.channel_max_order)],
-        np.array(formats.channel_frac_bits),
-        (1 << np.array(formats.channel_value_bits)) - 1,
-    )
-
-
 def draw_fast(
     words: np.ndarray, formats: Formats, stall_period: int = 0, stages_behind: int = 0
 ) -> EmittedPixels:
@@ -327,7 +342,7 @@ def draw_fast(
     Parameters
     ----------
     words : (m,) uint32
-      32-bit lanes, whole packets.
+      32-bit set-up words, whole packets.
     formats : Formats
     stall_period : int
       The sink is not ready in every n-th clock; 0: always ready.
@@ -345,28 +360,13 @@ def draw_fast(
     """
     layout = _layout(formats)
     words = np.ascontiguousarray(words, dtype=np.uint32)
-    starts = _find_packets(
-        words, *layout.orders, layout.edge_lanes, layout.second_lanes, layout.plane_lanes, layout.group_size,
-        len(layout.channel_planes), layout.built, layout.planes_of_order,
-    )  # fmt: skip
+    starts = _find_packets(words, layout)
     if starts[-1] != len(words):
         raise QuadshadeError("the set-up stream ends within a packet", "send whole packets")
-    table = _read_fields(words, starts, layout.offsets, layout.widths, SECOND, layout.edge_lanes)
-    for name in SIGNED_COLUMNS:
-        column = COLUMNS.index(name)
-        sign = np.int64(1) << np.int64(layout.widths[column] - 1)
-        table[:, column] = (table[:, column] ^ sign) - sign
-    planes = _read_planes(
-        words, starts, table, layout.edge_lanes, layout.second_lanes, layout.plane_lanes, formats.word_lanes,
-        layout.group_size, layout.built, layout.channel_planes, layout.planes_of_order,
-    )  # fmt: skip
-    first_rows, start, pixels, carries = _walk_edges(
-        table, (1 << formats.column_bits) - 1, (1 << formats.error_bits) - 1
-    )
-    packet_of, x, y, value = _draw(
-        table, planes, first_rows, start, pixels, carries, (1 << formats.coord_bits) - 1, formats.word_width,
-        layout.frac_bits, layout.limits,
-    )  # fmt: skip
-    beats = np.diff(starts) // formats.stream_lanes
-    clocks = count_clocks(beats, first_rows, pixels, formats, stall_period, stages_behind)
-    return EmittedPixels(packet_of, x, y, value, clocks, len(table))
+    packets = _read_fields(words, starts, layout).view(PACKET)[:, 0]
+    differences = _read_differences(words, starts, packets, layout).view(CHANNEL)[..., 0]
+    scanlines = _walk_edges(packets, layout)
+    packet_of, x, y, value = _draw(packets, differences, scanlines, layout)
+    beats = np.diff(starts) // formats.beat_words
+    clocks = count_clocks(beats, scanlines.first_rows, scanlines.pixels, formats, stall_period, stages_behind)
+    return EmittedPixels(packet_of, x, y, value, clocks, len(packets))

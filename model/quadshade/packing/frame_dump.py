@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from itertools import islice
 
-from quadshade.contract.formats import EDGES, ORDER_NAMES, PLANES, PLANES_OF_ORDER, Formats
+from quadshade.contract.formats import DIFFERENCES, DIFFERENCES_OF_ORDER, EDGES, ORDER_NAMES, Formats
 from quadshade.contract.packed_format import FIELD_KINDS, FIELD_WIDTHS, packed_fields
 from quadshade.golden.core.setup_loader import Packet, load_packets
 from quadshade.golden.link.word_unpacker import WordUnpacker
@@ -60,9 +60,13 @@ def _word_text(packet: Packet, formats: Formats) -> Iterator[str]:
     ):
         order = min(packet.fields["orders"] >> 2 * channel & 3, most)
         name = "depth" if channel == formats.num_channels else f"channel {channel}"
-        planes = zip(PLANES[: PLANES_OF_ORDER[order]], words, strict=False)
-        values = ((plane, _signed(word, formats.word_width) / 2**frac_bits) for plane, word in planes)
-        yield f"  {name}, {ORDER_NAMES[order]}: " + ", ".join(f"{plane} {value:g}" for plane, value in values)
+        differences = zip(DIFFERENCES[: DIFFERENCES_OF_ORDER[order]], words, strict=False)
+        values = (
+            (difference, _signed(word, formats.word_width) / 2**frac_bits) for difference, word in differences
+        )
+        yield f"  {name}, {ORDER_NAMES[order]}: " + ", ".join(
+            f"{difference} {value:g}" for difference, value in values
+        )
 
 
 def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
@@ -79,7 +83,7 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
     kinds = {FIELD_WIDTHS + index: name for index, (name, _) in enumerate(FIELD_KINDS)}
     held = unpacker.widths
     shown = None if most is None else min(most, sys.maxsize)
-    for index, (start, end, lanes) in enumerate(islice(unpacker.packets(frame.words), shown)):
+    for index, (start, end, setup_words) in enumerate(islice(unpacker.packets(frame.words), shown)):
         widths = unpacker.widths
         changed = [
             f"{kinds.get(address, address)} {new}"
@@ -87,9 +91,10 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
             if old != new
         ]
         held = widths
-        yield f"packet {index}: bits {start} to {end - 1}, {end - start} bits, {32 * len(lanes)} unpacked"
+        unpacked_bits = 32 * len(setup_words)
+        yield f"packet {index}: bits {start} to {end - 1}, {end - start} bits, {unpacked_bits} unpacked"
         if changed:
             yield f"  widths: {', '.join(changed)}"
-        (packet,) = load_packets(lanes.tolist(), formats)
+        (packet,) = load_packets(setup_words.tolist(), formats)
         yield from _field_text(packet, formats)
         yield from _word_text(packet, formats)

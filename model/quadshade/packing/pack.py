@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import LANE_BITS, PLANES_OF_ORDER, Formats
+from quadshade.contract.formats import DIFFERENCES_OF_ORDER, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     CHANNEL_KINDS,
     KIND_WIDTHS,
@@ -29,7 +29,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
-from quadshade.setup.short_words import NUM_PLANES, short_words
+from quadshade.setup.short_words import NUM_DIFFERENCES, short_words
 
 PACK_ERROR = 1.0 / 32.0
 """Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
@@ -143,7 +143,7 @@ def _put(out, at, value, bits):
     if len(out):
         for index in range(bits):
             place = at + index
-            out[place // LANE_BITS] |= np.uint32(((value >> index) & 1) << (place % LANE_BITS))
+            out[place // SETUP_WORD_BITS] |= np.uint32(((value >> index) & 1) << (place % SETUP_WORD_BITS))
     return at + bits
 
 
@@ -173,10 +173,10 @@ def _write(flags, orders, fields, num_fields, words, widths, used, table, kinds,
         for index in range(num_fields[p]):
             at = _put(out, at, fields[p, index], min(widths[p, table[index, 1]] + 1, table[index, 0]))
         for channel in range(len(kinds)):
-            for plane in range(PLANES_OF_ORDER[orders[p, channel]]):
-                address = KIND_WIDTHS * kinds[channel] + 2 * plane
+            for difference in range(DIFFERENCES_OF_ORDER[orders[p, channel]]):
+                address = KIND_WIDTHS * kinds[channel] + 2 * difference
                 below, top = widths[p, address], widths[p, address + 1]
-                at = _put(out, at, words[p, channel, plane] >> below, max(top + 1 - below, 0))
+                at = _put(out, at, words[p, channel, difference] >> below, max(top + 1 - below, 0))
     starts[len(flags)] = at
     return at
 
@@ -222,8 +222,8 @@ class Needs:
         self.need[:, address] = np.maximum(self.need[:, address], np.where(sent, top, 0))
         self.count[:, address] += sent
 
-    def plane(self, address: int, shifts: np.ndarray, top: np.ndarray, sent: np.ndarray) -> None:
-        """A plane of a channel, without its bits below ``shifts``."""
+    def difference(self, address: int, shifts: np.ndarray, top: np.ndarray, sent: np.ndarray) -> None:
+        """A difference of a channel, without its bits below ``shifts``."""
         self.top(address + 1, top, sent)
         self.is_below[address] = True
         self.below[:, address + 1] = self.need[:, address] = shifts
@@ -248,14 +248,14 @@ def _laid_out(
         raw = field_values(primitives, name, formats)
         values[:, index] = np.where(sent, raw if fill == "zero" else _signed(raw, bits), 0)
         needs.top(address, _top_bits(values[:, index], fill), sent)
-    planes = np.array(PLANES_OF_ORDER)[primitives.orders]
+    differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders]
     for channel, (kind, order) in enumerate(
         zip(channel_kinds(formats), formats.channel_max_order, strict=True)
     ):
-        for plane in range(PLANES_OF_ORDER[order]):
-            top = _top_bits(primitives.words[:, channel, plane], "sign")
-            address = KIND_WIDTHS * kind + 2 * plane
-            needs.plane(address, shifts[kind, :, plane], top, planes[:, channel] > plane)
+        for difference in range(DIFFERENCES_OF_ORDER[order]):
+            top = _top_bits(primitives.words[:, channel, difference], "sign")
+            address = KIND_WIDTHS * kind + 2 * difference
+            needs.difference(address, shifts[kind, :, difference], top, differences[:, channel] > difference)
     return values, needs
 
 
@@ -312,7 +312,7 @@ def pack_primitives(
     if not 0.0 <= error < np.inf:
         raise QuadshadeError(f"the error of packing is {error!r}", "give grey levels, 0 or more")
     size, before = len(primitives), primitives.bound
-    shifts = np.zeros((len(CHANNEL_KINDS), size, NUM_PLANES), np.int64)
+    shifts = np.zeros((len(CHANNEL_KINDS), size, NUM_DIFFERENCES), np.int64)
     if error > 0.0 and size:
         primitives, shifts = short_words(
             replace(primitives, edges=short_edges(primitives)),
@@ -337,7 +337,7 @@ def pack_primitives(
     )
     starts = np.zeros(size + 1, np.int64)
     bits = _write(*packets, np.zeros(0, np.uint32), starts)
-    words = np.zeros(-(-bits // LANE_BITS), np.uint32)
+    words = np.zeros(-(-bits // SETUP_WORD_BITS), np.uint32)
     _write(*packets, words, starts)
     added = (primitives.bound - before)[:, : formats.num_channels]
     return Packed(words, primitives, starts, float(added.max(initial=0.0)))
@@ -362,7 +362,7 @@ def unpack(words: np.ndarray, formats: Formats) -> np.ndarray:
       The words end within a packet.
     """
     unpacker = WordUnpacker(formats)
-    lanes = unpacker.feed(words)
+    setup_words = unpacker.feed(words)
     if unpacker.within:
         raise QuadshadeError("the packed words end within a packet", "send whole packets")
-    return lanes
+    return setup_words

@@ -97,10 +97,12 @@ def lattice_ratios(frame):
 @njit(cache=True, error_model="numpy")
 def float_words(samples, order, ratios, scale, half, rows, columns, words, errors):
     """
-    The six planes in units of the last place, and a bound of each one's error (both written, (6,) float64).
+    The six differences in units of the last place, and a bound of each one's error.
+
+    Both are written, (6,) float64.
 
     ``ratios`` are :func:`lattice_ratios`; ``rows`` and ``columns`` say whether the primitive has a pixel with
-    m > 0, N > 0; unused planes are zero.
+    m > 0, N > 0; unused differences are zero.
     """
     words[:] = 0.0
     errors[:] = 0.0
@@ -158,7 +160,7 @@ def exact_words(
     guard_bits: int = 0,
 ) -> tuple[np.ndarray, list[int]]:
     """
-    The six planes in integers of any size: floor, fraction, for primitives beyond float64's reach.
+    The six differences in integers of any size: floor, fraction, for primitives beyond float64's reach.
 
     Parameters
     ----------
@@ -203,9 +205,9 @@ def exact_words(
         (qq, denq * denq) if columns else (0, 1),
     ]
     whole, fraction = [], np.zeros(6)
-    for plane, (num, den) in enumerate(ratios):
+    for difference, (num, den) in enumerate(ratios):
         quotient, rest = divmod(num << frac_bits, den * unit)
         whole.append(quotient)
         # Python divides integers correctly rounded; a quotient that rounds up to 1 is brought back.
-        fraction[plane] = min(rest / (den * unit), 1.0 - UNIT_ROUNDOFF)
+        fraction[difference] = min(rest / (den * unit), 1.0 - UNIT_ROUNDOFF)
     return fraction, whole

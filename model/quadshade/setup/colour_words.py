@@ -24,7 +24,7 @@ from quadshade.setup.quantise import (
     FIT_FIELDS,
     SAMPLE_POINTS,
     carried_error,
-    fit_planes,
+    fit_linear,
     reach,
     region,
     round_words,
@@ -93,7 +93,7 @@ def _colour(
         count = region(heads[p], edges[p], fractional, corners)
         rows, columns = reach(corners, count)
         if joint:
-            fit_planes(corners, count, scratch, fit)
+            fit_linear(corners, count, scratch, fit)
         lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional, frame)
         ratios = lattice_ratios(frame)
         for channel in range(len(scales)):
@@ -101,9 +101,9 @@ def _colour(
             sample = samples[triangle, channel]
             float_words(sample, order, ratios, scale, halves[channel], rows > 0, columns >= 1, real, errors)
             largest = 0.0
-            for plane in range(6):
-                largest = max(largest, abs(real[plane]))
-                fraction[plane] = real[plane] - np.floor(real[plane])
+            for difference in range(6):
+                largest = max(largest, abs(real[difference]))
+                fraction[difference] = real[difference] - np.floor(real[difference])
             if not largest < FLOAT_LIMIT:
                 again[p, channel] = True
                 continue
@@ -111,9 +111,11 @@ def _colour(
             bound = round_words(fraction, order, corners, count, fit, joint, off)
             again[p, channel] = carried > 0.125 + bound / 16.0
             bounds[p, channel] = (bound + carried) / scale
-            for plane in range(6):
+            for difference in range(6):
                 # Floor and fraction are exact below FLOAT_LIMIT, so this is the integer that was chosen.
-                words[p, channel, plane] = _wrap(np.int64(np.rint(real[plane] + off[plane])), half)
+                words[p, channel, difference] = _wrap(
+                    np.int64(np.rint(real[difference] + off[difference])), half
+                )
 
 
 def colour_exactly(
@@ -140,7 +142,7 @@ def colour_exactly(
     for p in np.flatnonzero(again.any(axis=1)):
         triangle = cut.heads[p, TRIANGLE]
         corners_used = region(cut.heads[p], cut.edges[p], fractional, corners)
-        fit_planes(corners, corners_used, scratch, fit)
+        fit_linear(corners, corners_used, scratch, fit)
         lattice_frame(colours.vertices[triangle], cut.heads[p], cut.edges[p, 0], pixel, fractional, frame)
         rows, columns = reach(corners, corners_used)
         for channel in np.flatnonzero(again[p]):
@@ -182,7 +184,7 @@ def _colour_by_terms(
         triangle = heads[p, TRIANGLE]
         count = region(heads[p], edges[p], fractional, corners)
         rows, columns = reach(corners, count)
-        fit_planes(corners, count, scratch, fit)
+        fit_linear(corners, count, scratch, fit)
         lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional, frame)
         ratios = lattice_ratios(frame)
         lattice_steps(vertices[triangle], origins[triangle], heads[p], edges[p, 0], pixel, fractional, steps)
@@ -195,17 +197,19 @@ def _colour_by_terms(
             float_words(sample, order, ratios, scale, above, rows > 0, columns >= 1, true, errors)
             term_words(terms[triangle, channel], steps, scale, above, rows > 0, columns >= 1, real)
             fits = True
-            for plane in range(6):
-                fits = fits and abs(real[plane]) < FLOAT_LIMIT
-                errors[plane] += abs(real[plane] - true[plane])
-                fraction[plane] = real[plane] - np.floor(real[plane])
+            for difference in range(6):
+                fits = fits and abs(real[difference]) < FLOAT_LIMIT
+                errors[difference] += abs(real[difference] - true[difference])
+                fraction[difference] = real[difference] - np.floor(real[difference])
             if not fits:
                 undefined[p, channel] = True
                 continue
             bound = round_words(fraction, order, corners, count, fit, joint, off)
             bounds[p, channel] = (bound + carried_error(rows, columns, errors)) / scale
-            for plane in range(6):
-                words[p, channel, plane] = _wrap(np.int64(np.rint(real[plane] + off[plane])), half)
+            for difference in range(6):
+                words[p, channel, difference] = _wrap(
+                    np.int64(np.rint(real[difference] + off[difference])), half
+                )
 
 
 def colour_words(cut: Cut, colours: Colours) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import EDGES, LANE_BITS, PLANES_OF_ORDER, Formats
+from quadshade.contract.formats import DIFFERENCES_OF_ORDER, EDGES, SETUP_WORD_BITS, Formats
 from quadshade.errors import QuadshadeError
 
 BLOCK = 4096
@@ -36,7 +36,7 @@ class Primitives:
     orders : (n, c) int64
       0 constant, 1 linear, 2 quadratic for every carried channel (depth last).
     words : (n, c, 6) int64
-      Planes in the order of ``formats.PLANES``; planes above a channel's order are zero.
+      Differences in the order of ``formats.DIFFERENCES``; differences above a channel's order are zero.
     bound : (n, c) float64
       Upper bound of |value - exact quadratic| at any covered pixel before output rounding, in output units.
     undefined : (n,) bool
@@ -72,49 +72,51 @@ def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndar
 @njit(cache=True)
 def _put_field(out, at, rows, raw, offset, width):
     """Write the raw values of one bit field into the zeroed packets of some rows, from lanes ``at`` on."""
-    lane, shift = offset // LANE_BITS, np.uint64(offset % LANE_BITS)
+    lane, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
     mask = np.uint64((1 << width) - 1)
-    lanes = (offset % LANE_BITS + width + LANE_BITS - 1) // LANE_BITS
+    lanes = (offset % SETUP_WORD_BITS + width + SETUP_WORD_BITS - 1) // SETUP_WORD_BITS
     for row in rows:
         value = np.uint64(raw[row]) & mask
         place = at[row] + lane
         out[place] |= np.uint32(value << shift)
         if lanes > 1:
-            out[place + 1] |= np.uint32(value >> (np.uint64(LANE_BITS) - shift))
+            out[place + 1] |= np.uint32(value >> (np.uint64(SETUP_WORD_BITS) - shift))
         if lanes > 2:
-            out[place + 2] |= np.uint32(value >> (np.uint64(2 * LANE_BITS) - shift))
+            out[place + 2] |= np.uint32(value >> (np.uint64(2 * SETUP_WORD_BITS) - shift))
 
 
 @njit(cache=True)
-def _put_planes(out, at, rows, words, levels, groups, planes_of_order, plane_lanes, word_lanes, mask):
+def _put_differences(
+    out, at, rows, words, levels, groups, differences_of_order, group_words, difference_words, mask
+):
     """Write the channel words of some rows behind their sections; ``groups`` is each group's end channel."""
     for row in rows:
         lane, first = at[row], 0
         for group in range(len(groups)):
-            for plane in range(planes_of_order[levels[row, group]]):
+            for difference in range(differences_of_order[levels[row, group]]):
                 for channel in range(first, groups[group]):
-                    raw = np.uint64(words[row, channel, plane]) & mask
-                    for part in range(word_lanes):
-                        place = lane + (channel - first) * word_lanes + part
-                        out[place] = np.uint32(raw >> np.uint64(LANE_BITS * part))
-                lane += plane_lanes
+                    raw = np.uint64(words[row, channel, difference]) & mask
+                    for part in range(difference_words):
+                        place = lane + (channel - first) * difference_words + part
+                        out[place] = np.uint32(raw >> np.uint64(SETUP_WORD_BITS * part))
+                lane += group_words
             first = groups[group]
 
 
 def group_orders(orders: np.ndarray, formats: Formats) -> np.ndarray:
-    """(n, groups) highest order of each channel group: how many of its planes are sent."""
+    """(n, groups) highest order of each channel group: how many of its differences are sent."""
     return np.stack([orders[:, list(group)].max(axis=1) for group in formats.channel_groups], axis=1)
 
 
-def packet_lanes(orders: np.ndarray, has_second: np.ndarray, formats: Formats) -> np.ndarray:
-    """(n,) lanes (32-bit words) that each primitive's packet takes, padding included."""
-    planes = np.array(PLANES_OF_ORDER)[group_orders(orders, formats)].sum(axis=1)
+def packet_words(orders: np.ndarray, has_second: np.ndarray, formats: Formats) -> np.ndarray:
+    """(n,) set-up words that each primitive's packet takes, padding included."""
+    differences = np.array(DIFFERENCES_OF_ORDER)[group_orders(orders, formats)].sum(axis=1)
     beats = (
         formats.section_beats("edge")
         + has_second * formats.section_beats("second")
-        + planes * formats.plane_beats
+        + differences * formats.difference_beats
     )
-    return beats * formats.stream_lanes
+    return beats * formats.beat_words
 
 
 def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
@@ -129,8 +131,8 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
     Returns
     -------
     (m,) uint32
-      32-bit lanes in stream order; a beat of ``stream_width`` bits holds ``stream_lanes`` of them, the first
-      lane lowest.
+      Set-up words in stream order; a beat of ``stream_width`` bits holds ``beat_words`` of them, the first
+      one lowest.
 
     Raises
     ------
@@ -143,17 +145,17 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
         raise QuadshadeError(
             "a channel's order is above the core's generic max_order", "raise max_order or lower it"
         )
-    lengths = packet_lanes(primitives.orders, primitives.header["has_second"], formats)
+    lengths = packet_words(primitives.orders, primitives.header["has_second"], formats)
     ends = np.cumsum(lengths)
     out = np.zeros(ends[-1], dtype=np.uint32)
     levels = group_orders(primitives.orders, formats)
     group_ends = np.array([group[-1] + 1 for group in formats.channel_groups])
-    planes_of_order = np.array(PLANES_OF_ORDER)
-    plane_lanes = formats.plane_beats * formats.stream_lanes
+    differences_of_order = np.array(DIFFERENCES_OF_ORDER)
+    group_words = formats.difference_beats * formats.beat_words
     mask = np.uint64((1 << formats.word_width) - 1)
     sections = [
         (
-            formats.section_beats(section) * formats.stream_lanes,
+            formats.section_beats(section) * formats.beat_words,
             [
                 (field_values(primitives, name, formats), *place)
                 for name, place in formats.section(section).items()
@@ -170,8 +172,8 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
                 _put_field(out, at, present, raw, offset, width)
             at[present] += lanes
             present = rows[primitives.header["has_second"][rows] != 0]
-        _put_planes(
-            out, at, rows, primitives.words, levels, group_ends, planes_of_order, plane_lanes,
-            formats.word_lanes, mask,
+        _put_differences(
+            out, at, rows, primitives.words, levels, group_ends, differences_of_order, group_words,
+            formats.difference_words, mask,
         )  # fmt: skip
     return out

@@ -7,9 +7,9 @@ With words off by (v, r, c, rr, rc, cc) units the hardware's sum is off by the p
     E(m, N) = v + m r + C(m, 2) rr + N c + m N rc + C(N + 1, 2) cc
 
 on a primitive's lattice points, which lie in one trapezoid of (m, N) per minor edge. Joint rounding takes the
-second differences that leave the least after a fitted plane (of floor and ceiling each, eight ways), then
-d_row and d_col that take the plane away, then the value that centres E. The bound is E's true maximum over
-the trapezoids: corners, edges, inside.
+second differences that leave the least after a fitted linear function (of floor and ceiling each, eight
+ways), then d_row and d_col that take that function away, then the value that centres E. The bound is E's true
+maximum over the trapezoids: corners, edges, inside.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import CONSTANT, PLANES_OF_ORDER, QUADRATIC
+from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, QUADRATIC
 from quadshade.setup.edges import (
     COLUMN,
     HEIGHT,
@@ -29,7 +29,7 @@ from quadshade.setup.edges import (
 )
 
 # A fit's floats: sums over the sample points of m m, m N, N N; the three quadratics' slopes along m and along
-# N; what the planes leave of the sums of their products.
+# N; what the linear functions leave of the sums of their products.
 _MM, _MN, _NN, _ALONG_M, _ALONG_N, _AA, _AB, _AC, _BB, _BC, _CC, FIT_FIELDS = (
     0,
     1,
@@ -96,9 +96,9 @@ def region(head, edges, fractional, corners):
 
 
 @njit(cache=True, error_model="numpy")
-def fit_planes(corners, count, scratch, fit):
+def fit_linear(corners, count, scratch, fit):
     """
-    Least-squares planes through E's three quadratics, over corners and edge middles of a primitive.
+    Least-squares linear functions through E's three quadratics, over corners and edge middles of a primitive.
 
     The quadratics are C(m, 2), m N and C(N + 1, 2). Near-collinear points are held by a small ridge.
 
@@ -181,7 +181,7 @@ def _extremes(corners, count, off):
 
 @njit(cache=True, error_model="numpy")
 def _second_differences(fraction, fit, off):
-    """Floor or ceiling of each second difference: what leaves least after a plane (off[3:] written)."""
+    """Floor or ceiling of each second difference, whatever leaves least to a linear fit (off[3:] written)."""
     aa, ab, ac, bb, bc, cc = fit[_AA], fit[_AB], fit[_AC], fit[_BB], fit[_BC], fit[_CC]
     best = np.inf
     # The nearest integers first, then the other choices: x changes fastest, z slowest.
@@ -193,7 +193,7 @@ def _second_differences(fraction, fit, off):
                 x = ((fraction[3] > 0.5) != other_x) - fraction[3]
                 cost = x * (aa * x + 2.0 * (ab * y + ac * z))
                 cost += y * (bb * y + 2.0 * bc * z) + cc * z * z
-                # Strictly better only: a plane that no pixel uses stays rounded to nearest.
+                # Strictly better only: a difference that no pixel uses stays rounded to nearest.
                 if cost < best * (1.0 - 1e-9) - 1e-9:
                     best = cost
                     off[3], off[4], off[5] = x, y, z
@@ -210,14 +210,14 @@ def round_words(fraction, order, corners, count, fit, joint, off):
       What the words have above their floors.
     order : int
     corners, count, fit
-      From :func:`region` and :func:`fit_planes`.
+      From :func:`region` and :func:`fit_linear`.
     joint : bool
       False: each word to its nearest.
     off : (6,) float64, written
       Rounded minus true; ``fraction + off`` is the integer to add to the floor.
     """
-    for plane in range(6):
-        off[plane] = np.floor(fraction[plane] + 0.5) - fraction[plane]
+    for difference in range(6):
+        off[difference] = np.floor(fraction[difference] + 0.5) - fraction[difference]
     if order == CONSTANT:
         return abs(off[0])
     if joint:
@@ -256,25 +256,25 @@ def carried_error(m, n, errors):
 
 
 @njit(cache=True, error_model="numpy")
-def plane_spreads(fit, spreads):
+def difference_spreads(fit, spreads):
     """
-    Bits by which a unit of each plane weighs more than one of the value (written, (6,) float64).
+    Bits by which a unit of each difference weighs more than one of the value (written, (6,) float64).
 
-    Half the range over the primitive of what the plane is multiplied by: for the second differences, of what
-    is left of it after a fitted plane, because d_row and d_col take that away.
+    Half the range over the primitive of what the difference is multiplied by: for the second differences, of
+    what is left of it after a fitted linear function, because d_row and d_col take that away.
     """
     spreads[0] = 0.0
-    for plane, square in (
+    for difference, square in (
         (1, fit[_MM]), (2, fit[_NN]), (3, fit[_AA]), (4, fit[_BB]), (5, fit[_CC]),
     ):  # fmt: skip
         half_range = HALF_RANGE * np.sqrt(max(square, 0.0) / SAMPLE_POINTS)
-        spreads[plane] = np.log2(max(half_range, LEAST_SPREAD)) + 1.0
+        spreads[difference] = np.log2(max(half_range, LEAST_SPREAD)) + 1.0
 
 
 @njit(cache=True, error_model="numpy")
 def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
     """
-    Round a channel's words jointly, each plane to its own multiple of a unit.
+    Round a channel's words jointly, each difference to its own multiple of a unit.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
       Each word becomes a multiple of 2**shift.
     order : int
     corners, count, fit
-      From :func:`region` and :func:`fit_planes`.
+      From :func:`region` and :func:`fit_linear`.
     scaled : (FIT_FIELDS,) float64, off : (6,) float64, both written
     out : (6,) int64, written
       The words, which a carry may have taken one bit beyond their width.
@@ -293,28 +293,28 @@ def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
     float
       Bound of what this adds to the error at any pixel of the primitive, in units of the last place.
     """
-    used = PLANES_OF_ORDER[order]
-    for plane in range(6):
-        unit = np.int64(1) << shifts[plane]
-        off[plane] = out[plane] = 0
-        if plane < used:
-            out[plane] = (words[plane] >> shifts[plane]) << shifts[plane]
+    used = DIFFERENCES_OF_ORDER[order]
+    for difference in range(6):
+        unit = np.int64(1) << shifts[difference]
+        off[difference] = out[difference] = 0
+        if difference < used:
+            out[difference] = (words[difference] >> shifts[difference]) << shifts[difference]
             # What is above the floor, in units.
-            off[plane] = (words[plane] - out[plane]) / unit
+            off[difference] = (words[difference] - out[difference]) / unit
     fraction = (off[0], off[1], off[2], off[3], off[4], off[5])
     size = (
         2.0 ** shifts[0], 2.0 ** shifts[1], 2.0 ** shifts[2], 2.0 ** shifts[3], 2.0 ** shifts[4],
         2.0 ** shifts[5],
     )  # fmt: skip
-    for plane in range(6):
-        off[plane] = np.floor(fraction[plane] + 0.5) - fraction[plane]
+    for difference in range(6):
+        off[difference] = np.floor(fraction[difference] + 0.5) - fraction[difference]
     if order == QUADRATIC:
         scaled[_AA], scaled[_AB] = fit[_AA] * size[3] * size[3], fit[_AB] * size[3] * size[4]
         scaled[_AC], scaled[_BB] = fit[_AC] * size[3] * size[5], fit[_BB] * size[4] * size[4]
         scaled[_BC], scaled[_CC] = fit[_BC] * size[4] * size[5], fit[_CC] * size[5] * size[5]
         _second_differences(fraction, scaled, off)
-    for plane in range(6):
-        off[plane] *= size[plane]
+    for difference in range(6):
+        off[difference] *= size[difference]
     least = greatest = 0.0
     if order != CONSTANT:
         want_m = want_n = 0.0
@@ -328,7 +328,9 @@ def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
             off[2] = (np.floor(fraction[2] + want_n / size[2] + 0.5) - fraction[2]) * size[2]
         least, greatest = _extremes(corners, count, off)
     off[0] = (np.floor(fraction[0] - 0.5 * (least + greatest) / size[0] + 0.5) - fraction[0]) * size[0]
-    for plane in range(used):
-        out[plane] += np.int64(np.rint(fraction[plane] + off[plane] / size[plane])) << shifts[plane]
+    for difference in range(used):
+        out[difference] += (
+            np.int64(np.rint(fraction[difference] + off[difference] / size[difference])) << shifts[difference]
+        )
     bound = max(abs(off[0] + least), abs(off[0] + greatest))
     return bound * (1.0 + 2.0**-20) + (SLACK if bound > 0.0 else 0.0)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """
-Words with fewer fraction bits: as many dropped from each plane as the triangle's size and an error allow.
+Words with fewer fraction bits: as many dropped from each difference as the triangle's size and an error
+allow.
 
-A unit of a plane is worth the more at a pixel the more steps follow it, so each plane drops its own number of
-bits, such that all of them cost about the same. They are rounded jointly, as :mod:`quadshade.setup.quantise`
+A unit of a difference is worth the more at a pixel the more steps follow it, so each difference drops its own
+number of bits, such that all of them cost about the same. They are rounded jointly, as :mod:`quadshade.setup.quantise`
 does, each to its own unit; what that adds is bounded by E's true maximum, again, before anything is sent.
 """
 
@@ -15,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import CONSTANT, PLANES, PLANES_OF_ORDER, Formats
+from quadshade.contract.formats import CONSTANT, DIFFERENCES, DIFFERENCES_OF_ORDER, Formats
 from quadshade.contract.packed_format import CHANNEL_KINDS, channel_kinds
 from quadshade.setup.edges import (
     COLUMN,
@@ -33,15 +34,15 @@ from quadshade.setup.quantise import (
     FIT_FIELDS,
     SAMPLE_POINTS,
     coarse_words,
-    fit_planes,
-    plane_spreads,
+    difference_spreads,
+    fit_linear,
     region,
 )
 
-NUM_PLANES = len(PLANES)
+NUM_DIFFERENCES = len(DIFFERENCES)
 Hold = Callable[[np.ndarray, np.ndarray], np.ndarray]
 STEP_BITS = 0.5
-"""How finely the number of dropped bits is searched: planes follow one by one."""
+"""How finely the number of dropped bits is searched: differences follow one by one."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def _regions(heads, edges, fractional, corners, count, fit):
     scratch = np.zeros((SAMPLE_POINTS, 5))
     for p in range(len(heads)):
         count[p] = region(heads[p], edges[p], fractional[p], corners[p])
-        fit_planes(corners[p], count[p], scratch, fit[p])
+        fit_linear(corners[p], count[p], scratch, fit[p])
 
 
 def primitive_regions(primitives: Primitives) -> Regions:
@@ -93,7 +94,7 @@ def _round(p, words, orders, corners, count, fit, channels, shifts, budgets, wor
     Round one kind's channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used.
     """
     worst = 0.0
-    scaled, off = np.zeros(FIT_FIELDS), np.zeros(NUM_PLANES)
+    scaled, off = np.zeros(FIT_FIELDS), np.zeros(NUM_DIFFERENCES)
     half = np.int64(1) << (word_width - 1)
     for channel in channels:
         added = coarse_words(
@@ -101,28 +102,30 @@ def _round(p, words, orders, corners, count, fit, channels, shifts, budgets, wor
             out[channel],
         )  # fmt: skip
         worst = max(worst, added / budgets[channel])
-        for plane in range(NUM_PLANES):
-            out[channel, plane] = ((out[channel, plane] + half) & (2 * half - 1)) - half
+        for difference in range(NUM_DIFFERENCES):
+            out[channel, difference] = ((out[channel, difference] + half) & (2 * half - 1)) - half
     return worst
 
 
 @njit(cache=True)
 def _most(words, orders, corners, count, fit, channels, budgets, word_width, out):
-    """Most bits that a kind of channels drops from each plane of every primitive (``out``, (n, 6))."""
-    spreads, shifts = np.zeros(NUM_PLANES), np.zeros(NUM_PLANES, np.int64)
+    """Most bits that a kind of channels drops from each difference of every primitive (``out``, (n, 6))."""
+    spreads, shifts = np.zeros(NUM_DIFFERENCES), np.zeros(NUM_DIFFERENCES, np.int64)
     rounded = np.zeros(words.shape[1:], np.int64)
     budget = np.inf
     for channel in channels:
         budget = min(budget, budgets[channel])
     for p in range(len(words)):
-        plane_spreads(fit[p], spreads)
+        difference_spreads(fit[p], spreads)
         highest = 0
         for channel in channels:
             highest = max(highest, orders[p, channel])
         start = np.log2(budget) + (1.0 if highest == CONSTANT else 1.5)
         while start > -1.0:
-            for plane in range(NUM_PLANES):
-                shifts[plane] = min(max(np.int64(np.floor(start - spreads[plane])), 0), word_width - 1)
+            for difference in range(NUM_DIFFERENCES):
+                shifts[difference] = min(
+                    max(np.int64(np.floor(start - spreads[difference])), 0), word_width - 1
+                )
             share = _round(
                 p, words, orders, corners, count, fit, channels, shifts, budgets, word_width, rounded
             )
@@ -155,7 +158,7 @@ def short_words(
       Most that may be added to the error of each channel at any pixel, in output units.
     hold : callable
       What the bits dropped, (n, 6) per kind of channels, cost beside them: takes the most that each primitive
-      may drop of each plane and how many channels have it, gives what it shall drop, which is not more.
+      may drop of each difference and how many channels have it, gives what it shall drop, which is not more.
 
     Returns
     -------
@@ -167,17 +170,17 @@ def short_words(
     scale = 2.0 ** np.array(formats.channel_frac_bits)
     regions, kinds = primitive_regions(primitives), np.array(channel_kinds(formats))
     words, bounds = primitives.words.copy(), primitives.bound.copy()
-    shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_PLANES), np.int64)
+    shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
     for kind in np.unique(kinds):
         channels = np.flatnonzero(kinds == kind)
         shared = (
             primitives.words, primitives.orders, regions.corners, regions.count, regions.fit, channels,
             budgets * scale,
         )  # fmt: skip
-        most, used = np.zeros((len(primitives), NUM_PLANES), np.int64), np.zeros(len(primitives))
+        most, used = np.zeros((len(primitives), NUM_DIFFERENCES), np.int64), np.zeros(len(primitives))
         _most(*shared, formats.word_width, most)
-        planes = np.array(PLANES_OF_ORDER)[primitives.orders[:, channels]]
-        sent = (planes[:, :, None] > np.arange(NUM_PLANES)).sum(axis=1)
+        differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders[:, channels]]
+        sent = (differences[:, :, None] > np.arange(NUM_DIFFERENCES)).sum(axis=1)
         while True:
             shifts[kind] = hold(most, sent)
             _apply(*shared, shifts[kind], formats.word_width, words, used)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import CONSTANT, LINEAR, ORDER_NAMES, PLANES_OF_ORDER, QUADRATIC, Formats
+from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, ORDER_NAMES, QUADRATIC, Formats
 from quadshade.contract.shade_state import specular_gain
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -41,7 +41,7 @@ def _first_bad_sample(samples, orders, lows, tops):
     """Triangle and channel of the first sample that is used and outside low .. top (NaN is), or -1, -1."""
     for index in range(len(samples)):
         for channel in range(len(tops)):
-            for place in range(PLANES_OF_ORDER[orders[index, channel]]):
+            for place in range(DIFFERENCES_OF_ORDER[orders[index, channel]]):
                 if not lows[channel] <= samples[index, channel, place] <= tops[channel]:
                     return index, channel
     return -1, -1
@@ -60,7 +60,7 @@ def _first_misfit(heads, samples, orders, bounds, limits):
         for channel in range(len(limits)):
             order = orders[triangle, channel]
             low = high = samples[triangle, channel, 0]
-            for place in range(1, PLANES_OF_ORDER[order]):
+            for place in range(1, DIFFERENCES_OF_ORDER[order]):
                 low = min(low, samples[triangle, channel, place])
                 high = max(high, samples[triangle, channel, place])
             stray = 0.5 * (high - low) * (5.0 / 3.0 if order == QUADRATIC else 1.0) + bounds[p, channel]
@@ -103,7 +103,7 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
         raise QuadshadeError(
             f"triangle {index}: channel {names[channel]} has a sample outside"
             f" {lows[channel]} .. {tops[channel]}:"
-            f" {samples[index, channel, : PLANES_OF_ORDER[orders[index, channel]]].tolist()}",
+            f" {samples[index, channel, : DIFFERENCES_OF_ORDER[orders[index, channel]]].tolist()}",
             "clamp the samples",
         )
     if guard_bits(triangles, formats):

@@ -12,7 +12,7 @@ from PIL import Image
 
 from quadshade.adapt import adapt
 from quadshade.adapt.costs import state_bytes
-from quadshade.contract.formats import LANE_BITS, Formats
+from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
@@ -132,7 +132,7 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     quality = psnr(picture, reference)
     difference = picture.astype(np.float64) - reference
     stats = drawing.stats
-    size = stats["words"] * (LANE_BITS // 8) + state_bytes(triangles)
+    size = stats["words"] * (SETUP_WORD_BITS // 8) + state_bytes(triangles)
     record |= {
         "psnr": quality if math.isfinite(quality) else None,
         "rms": float(np.sqrt(np.mean(difference**2))),

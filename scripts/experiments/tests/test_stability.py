@@ -76,9 +76,9 @@ def test_errors_are_those_of_the_coefficients(rng):
         "unit_triangle", tuple(Fraction(x) for x in legs), tuple(Fraction(float(s)) for s in samples)
     )
     terms = np.array([float(term) for term in exact])
-    for plane, most in ((0, 1), (1, 4), (2, 8), (3, 16), (5, 64)):
+    for difference, most in ((0, 1), (1, 4), (2, 8), (3, 16), (5, 64)):
         wrong = terms.copy()
-        wrong[plane] += 0.25
+        wrong[difference] += 0.25
         grey, relative = stability.errors("unit_triangle", legs, samples, {"float64": wrong})["float64"]
         assert grey == pytest.approx(most / 4, rel=1e-9) and relative > 0
     assert stability.errors("abbas", legs, samples, {"float64": terms * np.nan})["float64"] is None

@@ -18,7 +18,7 @@ class ChannelLane:
     Parameters
     ----------
     words : sequence of int
-      Six raw planes (``formats.PLANES``).
+      Six raw differences (``formats.DIFFERENCES``).
     channel : int
       Index of the carried channel: which formats it has.
     formats : Formats

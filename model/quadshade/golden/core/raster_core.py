@@ -30,7 +30,7 @@ def draw_scalar(words: Sequence[int], formats: Formats) -> list[EmittedPixel]:
     Parameters
     ----------
     words : sequence of int
-      32-bit lanes, whole packets.
+      32-bit set-up words, whole packets.
     formats : Formats
 
     Returns
@@ -45,7 +45,9 @@ def draw_scalar(words: Sequence[int], formats: Formats) -> list[EmittedPixel]:
     """
     pixels = []
     for number, packet in enumerate(load_packets(words, formats)):
-        lanes = [ChannelLane(planes, channel, formats) for channel, planes in enumerate(packet.words)]
+        lanes = [
+            ChannelLane(differences, channel, formats) for channel, differences in enumerate(packet.words)
+        ]
         for scanline in walk_edges(packet.fields, formats):
             values = zip(*(lane.span(scanline.pixels) for lane in lanes), strict=True)
             for (x, y, last), value in zip(walk_span(scanline, formats), values, strict=True):

@@ -15,7 +15,7 @@ class ScanlineChannel:
     Parameters
     ----------
     words : sequence of int
-      Six raw planes (``formats.PLANES``).
+      Six raw differences (``formats.DIFFERENCES``).
     max_order : int
       What the channel is built for: words of higher orders are not connected.
     word_width : int

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words to packets: edges as bit fields, then the channels' planes (``rtl/core/setup_loader.vhd``)."""
+"""Words to packets: edges as bit fields, then the channels' differences (``rtl/core/setup_loader.vhd``)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from quadshade.contract.formats import LANE_BITS, PLANES, PLANES_OF_ORDER, QUADRATIC, SECTIONS, Formats
+from quadshade.contract.formats import (
+    DIFFERENCES,
+    DIFFERENCES_OF_ORDER,
+    QUADRATIC,
+    SECTIONS,
+    SETUP_WORD_BITS,
+    Formats,
+)
 from quadshade.errors import QuadshadeError
 
 
@@ -20,7 +27,7 @@ class Packet:
     fields : dict of int
       Raw value of every bit field of the sections ``edge`` and ``second`` (zero where that was not sent).
     words : list of list of int
-      Six raw planes a carried channel; planes that were not sent are zero.
+      Six raw differences a carried channel; differences that were not sent are zero.
     beats : int
       Beats the packet took.
     """
@@ -42,7 +49,7 @@ def load_packets(words: Sequence[int], formats: Formats) -> Iterator[Packet]:
     Parameters
     ----------
     words : sequence of int
-      32-bit lanes, whole beats.
+      32-bit set-up words, whole beats.
     formats : Formats
 
     Yields
@@ -54,16 +61,16 @@ def load_packets(words: Sequence[int], formats: Formats) -> Iterator[Packet]:
     QuadshadeError
       The stream ends within a packet.
     """
-    lanes = formats.stream_lanes
+    beat_words = formats.beat_words
     position = 0
 
     def beats(count: int) -> int:
-        """The next beats as one integer, first lane lowest."""
+        """The next beats as one integer, first set-up word lowest."""
         nonlocal position
-        end = position + count * lanes
+        end = position + count * beat_words
         if end > len(words):
             raise QuadshadeError("the set-up stream ends within a packet", "send whole packets")
-        value = sum(int(word) << (LANE_BITS * index) for index, word in enumerate(words[position:end]))
+        value = sum(int(word) << (SETUP_WORD_BITS * index) for index, word in enumerate(words[position:end]))
         position = end
         return value
 
@@ -75,13 +82,13 @@ def load_packets(words: Sequence[int], formats: Formats) -> Iterator[Packet]:
             bits = beats(formats.section_beats(name)) if sent else 0
             for field, (offset, width) in formats.section(name).items():
                 fields[field] = (bits >> offset) & ((1 << width) - 1)
-        channel_words = [[0] * len(PLANES) for _ in range(formats.carried_channels)]
+        channel_words = [[0] * len(DIFFERENCES) for _ in range(formats.carried_channels)]
         for group in formats.channel_groups:
             sent_orders = [min((fields["orders"] >> (2 * channel)) & 3, QUADRATIC) for channel in group]
             order = min(max(sent_orders), built_order(group, formats))
-            for plane in range(PLANES_OF_ORDER[order]):
-                bits = beats(formats.plane_beats)
+            for difference in range(DIFFERENCES_OF_ORDER[order]):
+                bits = beats(formats.difference_beats)
                 for place, channel in enumerate(group):
-                    word = bits >> (LANE_BITS * formats.word_lanes * place)
-                    channel_words[channel][plane] = word & ((1 << formats.word_width) - 1)
-        yield Packet(fields, channel_words, (position - start) // lanes)
+                    word = bits >> (SETUP_WORD_BITS * formats.difference_words * place)
+                    channel_words[channel][difference] = word & ((1 << formats.word_width) - 1)
+        yield Packet(fields, channel_words, (position - start) // beat_words)

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numba import njit
 
-from quadshade.contract.formats import LANE_BITS, PLANES_OF_ORDER, QUADRATIC, Formats
+from quadshade.contract.formats import DIFFERENCES_OF_ORDER, QUADRATIC, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     FILLS,
     KIND_WIDTHS,
@@ -28,8 +28,8 @@ from quadshade.errors import QuadshadeError
 
 NUM_RAW = len(RAW_FIELDS)
 _ONE, _SIGN = FILLS.index("one"), FILLS.index("sign")
-_BIT, _LANE, _LANE_BITS, _COUNT = range(4)
-"""Where the next bit is read; the lane that is begun, its bits; how many lanes are whole."""
+_BIT, _WORD, _WORD_BITS, _COUNT = range(4)
+"""Where the next bit is read; the set-up word that is begun, its bits; how many set-up words are whole."""
 
 
 class StarvedError(Exception):
@@ -39,9 +39,9 @@ class StarvedError(Exception):
 @njit(cache=True)
 def _take(words, place):
     """The next bit of the packed words."""
-    if place[_BIT] >= LANE_BITS * len(words):
+    if place[_BIT] >= SETUP_WORD_BITS * len(words):
         raise StarvedError
-    bit = (np.int64(words[place[_BIT] // LANE_BITS]) >> (place[_BIT] % LANE_BITS)) & 1
+    bit = (np.int64(words[place[_BIT] // SETUP_WORD_BITS]) >> (place[_BIT] % SETUP_WORD_BITS)) & 1
     place[_BIT] += 1
     return bit
 
@@ -58,12 +58,12 @@ def _number(words, place, bits):
 @njit(cache=True)
 def _give(bit, place, out):
     """Another bit of the set-up words."""
-    place[_LANE] |= bit << place[_LANE_BITS]
-    place[_LANE_BITS] += 1
-    if place[_LANE_BITS] == LANE_BITS:
-        out[place[_COUNT]] = place[_LANE]
+    place[_WORD] |= bit << place[_WORD_BITS]
+    place[_WORD_BITS] += 1
+    if place[_WORD_BITS] == SETUP_WORD_BITS:
+        out[place[_COUNT]] = place[_WORD]
         place[_COUNT] += 1
-        place[_LANE] = place[_LANE_BITS] = 0
+        place[_WORD] = place[_WORD_BITS] = 0
 
 
 @njit(cache=True)
@@ -83,8 +83,8 @@ def _field(words, place, out, length, below, top, fill):
 
 @njit(cache=True)
 def _pad(place, out):
-    """Zeros up to the end of a lane."""
-    while place[_LANE_BITS] > 0:
+    """Zeros up to the end of a set-up word."""
+    while place[_WORD_BITS] > 0:
         _give(np.int64(0), place, out)
 
 
@@ -103,7 +103,7 @@ def _packet(words, place, widths, orders, fields, second_at, kinds, built, word_
     """One packet, from its start bit on; False if only zeros are left."""
     started = False
     while not started:
-        if place[_BIT] == LANE_BITS * len(words):
+        if place[_BIT] == SETUP_WORD_BITS * len(words):
             return False
         started = _take(words, place) == 1
     _changes(words, place, widths, sizes[0], sizes[1])
@@ -123,8 +123,8 @@ def _packet(words, place, widths, orders, fields, second_at, kinds, built, word_
     _pad(place, out)
     for channel in range(len(kinds)):
         order = min(orders[2 * channel] + 2 * orders[2 * channel + 1], QUADRATIC, built[channel])
-        for plane in range(PLANES_OF_ORDER[order]):
-            address = KIND_WIDTHS * kinds[channel] + 2 * plane
+        for difference in range(DIFFERENCES_OF_ORDER[order]):
+            address = KIND_WIDTHS * kinds[channel] + 2 * difference
             _field(words, place, out, word_width, widths[address], widths[address + 1], _SIGN)
             _pad(place, out)
     return True
@@ -148,7 +148,7 @@ class WordUnpacker:
     within : bool
       The words so far end within a packet.
     begun : list of int
-      Lanes that the hardware has already put out of a packet whose words are not all there.
+      Set-up words that the hardware has already put out of a packet whose words are not all there.
     """
 
     def __init__(self, formats: Formats) -> None:
@@ -162,15 +162,17 @@ class WordUnpacker:
         self._word_width = formats.word_width
         self._sizes = (size_of("width_bits", formats), size_of("width_address_bits", formats))
         sections = formats.section_beats("edge") + formats.section_beats("second")
-        self.most_lanes = sections + PLANES_OF_ORDER[QUADRATIC] * formats.word_lanes * len(self._kinds)
+        self.most_words = sections + DIFFERENCES_OF_ORDER[QUADRATIC] * formats.difference_words * len(
+            self._kinds
+        )
         self.reset()
 
     @staticmethod
     def check(formats: Formats) -> None:
         """Raise :class:`QuadshadeError` where the set-up stream has another width than 32 bits."""
-        if formats.stream_width != LANE_BITS:
+        if formats.stream_width != SETUP_WORD_BITS:
             raise QuadshadeError(
-                f"generic stream_width is {formats.stream_width}", f"packed words need {LANE_BITS}"
+                f"generic stream_width is {formats.stream_width}", f"packed words need {SETUP_WORD_BITS}"
             )
 
     def reset(self) -> None:
@@ -198,13 +200,13 @@ class WordUnpacker:
         ------
         start, end : int
           Bits of the packet, counted from the first of these words; a packet may have begun before it.
-        lanes : (m,) uint32
+        setup_words : (m,) uint32
         """
-        before = LANE_BITS * len(self._rest)
+        before = SETUP_WORD_BITS * len(self._rest)
         words = np.concatenate([self._rest, np.asarray(words, np.uint32)])
         place = np.zeros(4, np.int64)
         place[_BIT] = self._skip
-        out = np.zeros(self.most_lanes, np.uint32)
+        out = np.zeros(self.most_words, np.uint32)
         self.within, self.begun = False, []
         while True:
             start = place[_BIT]
@@ -223,8 +225,8 @@ class WordUnpacker:
             self._widths, self._orders = widths, orders
             yield int(start) - before, int(place[_BIT]) - before, out[: place[_COUNT]].copy()
             place[_COUNT] = 0
-        done = place[_BIT] // LANE_BITS
-        self._rest, self._skip = words[done:], int(place[_BIT] % LANE_BITS)
+        done = place[_BIT] // SETUP_WORD_BITS
+        self._rest, self._skip = words[done:], int(place[_BIT] % SETUP_WORD_BITS)
 
     def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
         """
@@ -237,7 +239,7 @@ class WordUnpacker:
         Returns
         -------
         (m,) uint32
-          Lanes of the packets that are whole now.
+          Set-up words of the packets that are whole now.
         """
-        lanes = [lanes for _, _, lanes in self.packets(words)]
-        return np.concatenate(lanes) if lanes else np.zeros(0, np.uint32)
+        setup_words = [setup_words for _, _, setup_words in self.packets(words)]
+        return np.concatenate(setup_words) if setup_words else np.zeros(0, np.uint32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture on a monitor (``rtl/screen/scan_out.vhd``): words of three TMDS lanes."""
+"""The picture on a monitor (``rtl/screen/scan_out.vhd``): words of the three TMDS data channels."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def frame_words(picture: np.ndarray, timing: Timing = Timing()) -> Iterator[tupl
     Yields
     ------
     (int, int, int)
-      Of lanes 0 (blue, with both pulses), 1 (green) and 2 (red).
+      Of TMDS data channels 0 (blue, with both pulses), 1 (green) and 2 (red).
 
     Raises
     ------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A byte as a word of a TMDS lane (``rtl/screen/tmds_encoder.vhd``)."""
+"""A byte as a word of a TMDS data channel (``rtl/screen/tmds_encoder.vhd``)."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ CONTROL_WORDS = (0b1101010100, 0b0010101011, 0b0101010100, 0b1010101011)
 
 class TmdsEncoder:
     """
-    One lane's encoder (Digital Visual Interface 1.0, figure 3-5), a word at a time.
+    One data channel's encoder (Digital Visual Interface 1.0, figure 3-5), a word at a time.
 
     Attributes
     ----------
     disparity : int
-      Ones minus zeros since the lane was last inactive.
+      Ones minus zeros since the channel was last inactive.
     """
 
     def __init__(self) -> None:

@@ -33,7 +33,7 @@ def draw_scalar(
     Parameters
     ----------
     words : sequence of int
-      32-bit lanes, whole packets.
+      32-bit set-up words, whole packets.
     formats : Formats
     state : ShadeState, optional
       Of the shade unit; if left out, the first three channels are the colour.
@@ -50,10 +50,10 @@ def draw_scalar(
 
 
 @numba.njit(cache=True)
-def _power(value, table, lane_bits):
+def _power(value, table, value_bits_in):
     """The curve at a lane's value, as ``power_table.power_table``."""
-    fraction_bits = lane_bits - POWER_MANTISSA_BITS - 1
-    far = (np.int64(1) << lane_bits) - 1 - value
+    fraction_bits = value_bits_in - POWER_MANTISSA_BITS - 1
+    far = (np.int64(1) << value_bits_in) - 1 - value
     octave = 0
     while far >> octave >= 2 << POWER_MANTISSA_BITS:
         octave += 1
@@ -65,7 +65,7 @@ def _power(value, table, lane_bits):
 
 
 @numba.njit(cache=True)
-def _shade(value, ambient, coefficients, tables, linear, gated, lane_bits, value_bits):
+def _shade(value, ambient, coefficients, tables, linear, gated, value_bits_in, value_bits):
     """(n, 3) int32 colours of (n, channels) values, as ``shade.shade``."""
     channels, specular = len(coefficients), len(tables)
     diffuse = channels - specular
@@ -76,11 +76,11 @@ def _shade(value, ambient, coefficients, tables, linear, gated, lane_bits, value
         level[:] = ambient
         for channel in range(channels):
             part = np.int64(value[index, channel])
-            factor = part << (FACTOR_BITS - lane_bits)
+            factor = part << (FACTOR_BITS - value_bits_in)
             number = channel - diffuse
             if number >= 0:
                 if not linear >> number & 1:
-                    power = _power(part, tables[number], lane_bits)
+                    power = _power(part, tables[number], value_bits_in)
                     factor = power << (FACTOR_BITS - POWER_BITS)
                 if gated >> number & 1 and number < diffuse and value[index, number] == 0:
                     factor = np.int64(0)
@@ -129,7 +129,7 @@ def draw(
     Parameters
     ----------
     words : (m,) uint32
-      32-bit lanes, whole packets.
+      32-bit set-up words, whole packets.
     formats : Formats
     state : ShadeState, optional
       Of the shade unit; if left out, the first three channels are the colour.

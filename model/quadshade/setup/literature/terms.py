@@ -114,7 +114,7 @@ def lattice_steps(corners, origin, head, major, pixel, fractional, steps):
 
 @njit(cache=True, error_model="numpy")
 def term_words(terms, steps, scale, half, rows, columns, words):
-    """The six planes of one channel in units of the last place (written); unused planes are zero."""
+    """The six differences of one channel in units of the last place (written); unused ones are zero."""
     t0, t1, t2, t3, t4, t5 = terms[0], terms[1], terms[2], terms[3], terms[4], terms[5]
     x, y, s, c = steps[X0], steps[Y0], steps[ROW_X], steps[COLUMN_X]
     along_x, along_y = 2.0 * t5 * x + t4 * y + t2, 2.0 * t3 * y + t4 * x + t1
