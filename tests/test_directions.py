@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may know whom: Python packages by their imports, VHDL folders by what their units use and instantiate."""
+"""Who may know whom: Python packages by imports, VHDL folders by what their units use and instantiate."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Folders that are made once: whole or not at all, by one process of several, under a name of all their parts."""
+"""Folders that are made once: whole or not at all, by one process of several, named by all their parts."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // word_unpacker: whatever the words say, a packet ends. `rank` bounds the cycles until then: in every
-// cycle in which a packed word is there and no set-up word waits for the core, it becomes smaller, and it never
-// grows but by a start bit. Words of zeros give nothing; a set-up word that is shown stays until it is taken.
+// cycle in which a packed word is there and no set-up word waits for the core, it becomes smaller, and it
+// never grows but by a start bit. Words of zeros give nothing; a set-up word stays until it is taken.
 
 module word_unpacker_properties #(
   parameter num_channels = 1,

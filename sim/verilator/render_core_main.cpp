@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Writes the state of a file (address and word, 32 bits each), then feeds the core from a file of set-up
-// beats (set-up words of 32 bits, the first one lowest) and writes the pixels it emits as records (struct Record below,
-// which engine/verilator.py reads). Stream always valid; the sink is ready but for one clock in STALL_PERIOD,
-// counted from the first beat (0: always). Prints "clocks N" (first beat accepted to last pixel out, both
-// included), "cycles N" (all that were simulated, from reset to idle) and "seconds T" (the simulation with
-// its reading and writing).
+// beats (set-up words of 32 bits, the first one lowest) and writes the pixels it emits as records (struct
+// Record below, which engine/verilator.py reads). Stream always valid; the sink is ready but for one clock in
+// STALL_PERIOD, counted from the first beat (0: always). Prints "clocks N" (first beat accepted to last pixel
+// out, both included), "cycles N" (all that were simulated, from reset to idle) and "seconds T" (the
+// simulation with its reading and writing).
 //
 //   render_core STATE BEATS PIXELS STALL_PERIOD
 //

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Three data channels and a clock of TMDS on ECP5's pins: ten bits of a pixel in 40 ns, two in each cycle of 125 MHz.
+// Three data channels and a clock of TMDS on ECP5's pins: ten bits of a pixel in 40 ns, two in each cycle of
+// 125 MHz.
 //
 // Both clocks come from one PLL, so five cycles of the one always take as long as four of the other, and what
 // is in step once stays in step. The words stand still for 40 ns; they are taken 16 to 32 ns after they

@@ -244,8 +244,8 @@ def _numbers(table: object) -> object:
 
 HASHED_NAMES = (("beat_words", "stream_lanes"), ("difference_words", "word_lanes"))
 """
-Derived widths and the names under which :func:`definition_text` has them. A name means nothing on the line, so
-boards built before these were renamed still agree with the host.
+Derived widths and the names under which :func:`definition_text` has them. A name means nothing on the line,
+so boards built before these were renamed still agree with the host.
 """
 
 

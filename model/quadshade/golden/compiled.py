@@ -73,8 +73,8 @@ class _Layout(NamedTuple):
 
     ``offsets``, ``widths`` and ``signs`` (what a field's sign bit is worth, 0 without one) are those of
     :data:`FIELDS`; from index ``second_from`` on they stand in the second section. ``built`` is each group's
-    highest order, ``channel_differences``, ``frac_bits`` and ``limits`` (greatest value emitted) have an entry
-    a channel.
+    highest order; ``channel_differences``, ``frac_bits`` and ``limits`` (the greatest value that is emitted)
+    have an entry a channel.
     """
 
     orders_offset: int
@@ -102,8 +102,8 @@ class _Scanlines(NamedTuple):
     """
     Every scanline of every packet.
 
-    ``first_rows`` (n + 1) is the index of each packet's first one, and their number; ``start`` the column u of
-    the span, ``pixels`` how many it has, ``carries`` whether the major edge carries behind it.
+    ``first_rows`` (n + 1) is the index of each packet's first one, and their number; ``start`` the column u
+    of the span, ``pixels`` how many it has, ``carries`` whether the major edge carries behind it.
     """
 
     first_rows: Ints

@@ -4,8 +4,9 @@ Words with fewer fraction bits: as many dropped from each difference as the tria
 allow.
 
 A unit of a difference is worth the more at a pixel the more steps follow it, so each difference drops its own
-number of bits, such that all of them cost about the same. They are rounded jointly, as :mod:`quadshade.setup.quantise`
-does, each to its own unit; what that adds is bounded by E's true maximum, again, before anything is sent.
+number of bits, such that all of them cost about the same. They are rounded jointly, each to its own unit, as
+:mod:`quadshade.setup.quantise` does; what that adds is bounded by E's true maximum, again, before anything is
+sent.
 """
 
 from __future__ import annotations
