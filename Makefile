@@ -36,6 +36,10 @@ demo: setup ## draw the six spheres through the VHDL, check every pixel, write b
 test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed, WAVES=1 keeps waves
 	@$(PYTEST) $(TESTS) $(if $(T),-k '$(T)')
 
+.PHONY: docs
+docs: setup ## build the documentation as a site, with the RTL's timing diagrams: build/docs/
+	@$(VENV) -m scripts.docs
+
 .PHONY: lint
 lint: setup ## check style, file hygiene, generated files and that the RTL analyses and synthesises
 	@$(PYTEST) -q tests/test_lint.py

@@ -94,7 +94,7 @@ def test_workflow_runs_targets() -> None:
     jobs = WORKFLOW["jobs"]
     assert set(jobs) == {"test", "netlist"}
     matrix = jobs["test"]["strategy"]["matrix"]["include"]
-    assert [entry["name"] for entry in matrix] == ["lint", "model", "cocotb"]
+    assert [entry["name"] for entry in matrix] == ["lint", "model", "cocotb", "docs"]
     runs = [entry["command"] for entry in matrix]
     runs += [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
     made = [shlex.split(line)[1:] for line in runs if line.startswith("make")]

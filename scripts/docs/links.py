@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Pages of the repository as pages of the site.
+
+A page of ``docs/`` keeps its place. Whatever else a page links to is shown at ``source/<path>``: Markdown as
+it is, other text as a page with the file in it. So every link leads somewhere without a network.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote
+
+from scripts.docs.entity import ROOT
+
+LINK = re.compile(r"(\]\()([^)#\s]*)((?:#[^)\s]*)?[^)]*\))")
+LANGUAGES = {
+    ".py": "python",
+    ".vhd": "vhdl",
+    ".toml": "toml",
+    ".json": "json",
+    ".v": "verilog",
+    ".sv": "verilog",
+    ".sh": "bash",
+    ".cpp": "cpp",
+}
+IMAGES = (".png", ".svg", ".jpg")
+
+
+def place_of(path: PurePosixPath) -> PurePosixPath:
+    """
+    Where the site shows a file of the repository.
+
+    Parameters
+    ----------
+    path : PurePosixPath
+      Relative to the repository's root.
+
+    Returns
+    -------
+    PurePosixPath
+      Relative to the site's sources.
+    """
+    if path.parts[0] == "docs" and path.suffix in (".md", *IMAGES):
+        return path.relative_to("docs")
+    shown = PurePosixPath("source") / path
+    return shown if path.suffix in (".md", *IMAGES) else shown.with_name(f"{path.name}.md")
+
+
+def convert(text: str, path: PurePosixPath, wanted: set[PurePosixPath]) -> str:
+    """
+    A page's text with the links of the site.
+
+    Parameters
+    ----------
+    text : str
+      Markdown as it stands in the repository.
+    path : PurePosixPath
+      Its place there.
+    wanted : set of PurePosixPath
+      Takes the files that it links to.
+
+    Raises
+    ------
+    FileNotFoundError
+      A link leads nowhere.
+    """
+    here = place_of(path).parent
+
+    def replaced(match: re.Match[str]) -> str:
+        start, target, end = match.groups()
+        if not target or ":" in target:
+            return match[0]
+        linked = PurePosixPath(os.path.normpath(path.parent / unquote(target)))
+        if (ROOT / linked).is_dir():
+            linked /= "README.md"
+        wanted.add(linked)
+        return f"{start}{os.path.relpath(place_of(linked), here)}{end}"
+
+    return "".join(
+        part if is_code else LINK.sub(replaced, part) for is_code, part in _parts(_as_python_markdown(text))
+    )
+
+
+def source_page(path: PurePosixPath) -> str:
+    """
+    A text file as a page that the search leaves out.
+
+    Raises
+    ------
+    FileNotFoundError
+      It is not there.
+    """
+    text = (ROOT / path).read_text()
+    fence = "`" * 6
+    language = LANGUAGES.get(path.suffix, "text")
+    head = "---\nsearch:\n  exclude: true\nhide:\n  - toc\n---\n"
+    return f'{head}# {path.name}\n\n`{path}`\n\n{fence}{language} linenums="1"\n{text}{fence}\n'
+
+
+def repository_page(path: PurePosixPath, wanted: set[PurePosixPath]) -> str:
+    """A Markdown file of the repository as a page of the site; see :func:`convert`."""
+    text = re.sub(r"\A<!-- SPDX.*?-->\n", "", (ROOT / path).read_text())
+    return convert(text, path, wanted)
+
+
+def title_of(text: str) -> str:
+    """A page's title: its first heading."""
+    return re.search(r"^# (.+)$", text, re.MULTILINE)[1].replace("`", "")
+
+
+def _parts(text: str) -> list[tuple[bool, str]]:
+    """A page cut into code (fenced or indented) and the text between."""
+    code = re.compile(r"(^```[^\n]*\n.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
+    return [(index % 2 == 1, part) for index, part in enumerate(code.split(text))]
+
+
+def _as_python_markdown(text: str) -> str:
+    """
+    A blank line before each list and table.
+
+    GitHub lets them follow a paragraph; Python-Markdown, which the site is made with, does not.
+    """
+    result, fenced = [], False
+    for line in text.splitlines():
+        fenced ^= line.startswith("```")
+        before = result[-1] if result else ""
+        goes_on = not before or before.startswith(("- ", "* ", "  ", "|"))
+        if not fenced and not goes_on and re.match(r"[-*|] |1\. ", line):
+            result.append("")
+        result.append(line)
+    return "\n".join(result) + "\n"
+
+
+def write_page(folder: Path, place: PurePosixPath, text: str) -> None:
+    """Write a page into the site's sources."""
+    (folder / place).parent.mkdir(parents=True, exist_ok=True)
+    (folder / place).write_text(text)
