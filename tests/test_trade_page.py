@@ -283,6 +283,19 @@ def test_missing_reports_name_their_command(page: webdriver.Chrome, folder: Path
     assert not wrong_values(page, copy)[1]
 
 
+def test_plots_are_shown_without_their_numbers(page: webdriver.Chrome, folder: Path, tmp_path: Path) -> None:
+    copy, reports = tmp_path / "copy", tmp_path / "reports"
+    shutil.copytree(folder, copy)
+    reports.mkdir()
+    shutil.copyfile(report.ROOT / "docs" / "reports" / "stability.png", reports / "stability.png")
+    build_page(copy, reports, tmp_path / "none.json", ["sphere-168"])
+    page.get((copy / "index.html").as_uri())
+    section = page.find_element("id", "stability")
+    assert "make stability" in section.text
+    (figure,) = section.find_elements("tag name", "img")
+    assert figure.get_attribute("src").endswith("data/stability.png")
+
+
 def test_papers_are_as_printed(folder: Path) -> None:
     tables = json.loads((folder / "data" / "papers.json").read_text())
     assert [row["paper_seconds"] for row in tables["barrera"]] == [40.6, 42.0, 49.4, 40.3, 12.7]

@@ -14,6 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_json, write_text
 from quadshade.trade.page.papers import paper_tables
 from quadshade.trade.page.summary import summary
 
@@ -34,10 +35,6 @@ REPORTS = {
 
 SCRIPTS = ("numbers.js", "trade.js", "pareto.js", "sections.js")
 TRADE = "trade.json"
-
-
-def _write_json(path: Path, content: dict) -> None:
-    path.write_text(json.dumps(content, indent=1) + "\n")
 
 
 def _read_json(path: Path) -> dict | None:
@@ -66,16 +63,16 @@ def collect(folder: Path, reports: Path, resources: Path) -> None:
     for name in REPORTS:
         for old in (*data.glob(f"{name}.*"), *data.glob(f"{name}_*")):
             old.unlink()
-        if (reports / f"{name}.json").is_file():
-            plots = (path for kind in ("png", "svg") for path in sorted(reports.glob(f"{name}*.{kind}")))
-            for path in (reports / f"{name}.json", *plots):
+        plots = (path for kind in ("png", "svg") for path in sorted(reports.glob(f"{name}*.{kind}")))
+        for path in (reports / f"{name}.json", *plots):
+            if path.is_file():
                 shutil.copyfile(path, data / path.name)
     if resources.is_file():
         shutil.copyfile(resources, data / "resources.json")
     tables = paper_tables(_read_json(data / "hostspeed.json"), _read_json(data / "resources.json"))
-    _write_json(data / "papers.json", tables)
+    write_json(data / "papers.json", tables)
     sweeps = {path.parent.name: json.loads(path.read_text()) for path in sorted(data.glob(f"*/{TRADE}"))}
-    _write_json(data / "summary.json", {name: summary(content) for name, content in sweeps.items()})
+    write_json(data / "summary.json", {name: summary(content) for name, content in sweeps.items()})
 
 
 def build_page(folder: Path, reports: Path, resources: Path, scenes: list[str]) -> Path:
@@ -120,6 +117,6 @@ def build_page(folder: Path, reports: Path, resources: Path, scenes: list[str]) 
     page = (parts / "page.html").read_text()
     page = page.replace("/*style*/", (parts / "page.css").read_text())
     page = page.replace("/*script*/", "\n".join((parts / name).read_text() for name in SCRIPTS))
-    temporary = folder / ".index.html.tmp"
-    temporary.write_text(page.replace("/*data*/", inlined))
-    return temporary.replace(folder / "index.html")
+    index = folder / "index.html"
+    write_text(index, page.replace("/*data*/", inlined))
+    return index

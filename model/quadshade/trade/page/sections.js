@@ -52,10 +52,10 @@ function showPapers() {
 function showReports() {
   const sections = Object.entries(CONTENT.reports).map(([name, command]) => {
     const file = `data/${name}.json`, title = TITLES[name] ?? words(name), heading = el("h2", {}, title);
-    if (!(file in FILES)) return el("section", { id: name }, heading, missing(title, command));
     const figures = CONTENT.plots.filter((path) => path.startsWith(`data/${name}`))
       .map((path) => el("img", { class: "figure", src: path, alt: title, loading: "lazy" }));
-    return el("section", { id: name }, heading, ...figures, ...tablesOf(file, []));
+    const tables = file in FILES ? tablesOf(file, []) : [missing(title, command)];
+    return el("section", { id: name }, heading, ...figures, ...tables);
   });
   byId("reports").replaceChildren(...sections);
 }
