@@ -12,8 +12,9 @@ from rich.console import Console
 
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
+from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.bitstream import BoardFile, Built, build, program, read_board, tools_of
-from quadshade.synthesis.table import write_text
 
 console = Console(stderr=True)
 HEAD = """\
@@ -55,18 +56,15 @@ def row_of(board: BoardFile, built: Built) -> dict:
 def page(rows: dict[str, dict]) -> str:
     """The report."""
     kinds = ("LUT4", "flip-flops", "block RAM", "SPRAM", "multipliers")
-    lines = [
-        "| board | device | screen | " + " | ".join(kinds) + " | clocks, MHz reached / required | seed |",
-        "| --- | --- | --- |" + " ---: |" * len(kinds) + " --- | ---: |",
-    ]
+    header = ("board", "device", "screen", *kinds, "clocks, MHz reached / required", "seed")
+    lines = []
     for name, row in sorted(rows.items()):
         cells = [" / ".join(map(str, row["area"][kind])) if kind in row["area"] else "" for kind in kinds]
         clocks = ", ".join(f"{clock} {mhz:.1f} / {least:g}" for clock, (mhz, least) in row["clocks"].items())
-        lines.append(
-            f"| {name} | {row['device']} | {row['screen']} | {' | '.join(cells)} | {clocks} | {row['seed']} |"
-        )
+        lines.append((name, row["device"], row["screen"], *cells, clocks, row["seed"]))
     tools = sorted({tool for row in rows.values() for tool in row["tools"]})
-    return HEAD + "\n".join(lines) + f"\n\nMade with {', '.join(tools)}.\n"
+    table = markdown_table(header, lines, right={*kinds, "seed"})
+    return f"{HEAD}{table}\n\nMade with {', '.join(tools)}.\n"
 
 
 @click.group(help=__doc__)

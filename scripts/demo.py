@@ -10,7 +10,6 @@ model's linear order, Phong shading float. Exit code 1 if anything differs.
 
 from __future__ import annotations
 
-import json
 import shutil
 import sys
 from dataclasses import dataclass
@@ -29,6 +28,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Drawing
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_json
 from quadshade.image import paint, visible, write_png
 from quadshade.image.compare import psnr
 from quadshade.scene import load_scene, parse_camera, project
@@ -177,11 +177,11 @@ def write_pictures(results: list[Result], output: Path) -> None:
     write_png(output / "overview.png", sheet)
 
 
-def report(results: list[Result], size: int) -> str:
-    """What was measured, as JSON."""
+def report(results: list[Result], size: int) -> dict:
+    """What was measured, for JSON."""
     names = ("triangles", "exponent", "pixels", "clocks", "psnr_gouraud", "psnr_quadratic")
     rows = [{name: getattr(result, name) for name in names} for result in results]
-    return json.dumps({"size": size, "rows": rows}, indent=2) + "\n"
+    return {"size": size, "rows": rows}
 
 
 def table(results: list[Result]) -> Table:
@@ -250,7 +250,7 @@ def main(size: int, jobs: int, output: Path, publish: bool) -> None:
         for folder in ("images", "reports"):
             (DOCS / folder).mkdir(parents=True, exist_ok=True)
         shutil.copyfile(output / "overview.png", DOCS / "images" / "spheres.png")
-        (DOCS / "reports" / "demo.json").write_text(report(results, size))
+        write_json(DOCS / "reports" / "demo.json", report(results, size))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,8 @@ from rich.table import Table
 from quadshade.engine.netlist import write_netlist
 from quadshade.engine.tool_runner import run_to_end, run_tool
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
+from quadshade.files.markdown import markdown_table
 
 ROOT = Path(__file__).resolve().parents[1]
 FORMAL = ROOT / "formal"
@@ -283,38 +285,51 @@ def shown_generics(job: Job) -> str:
     return " ".join(f"{name}={value}" for name, value in job.generics.items()) or "-"
 
 
-def report_row(outcome: Outcome) -> str:
+HEADERS = (("proof", "units", "generics", "method", "result"), ("proof", "mutant", "in", "rejected at"))
+"""Of the report's two tables: of the proofs, and of their mutants."""
+
+
+def report_row(outcome: Outcome) -> list[str]:
     """A row of the report: of its first table, or of the second for a mutant."""
     job, proof = outcome.job, outcome.job.proof
     if job.mutant is not None:
         mutant = proof.mutants[job.mutant]
-        return f"| {proof.name} | {mutant['what']} | {mutant['file']} | {outcome.detail} |"
+        return [proof.name, mutant["what"], mutant["file"], outcome.detail]
     units = ", ".join(proof.units) or "-"
-    return f"| {proof.name} | {units} | {shown_generics(job)} | {method(proof)} | {outcome.verdict} |"
+    return [proof.name, units, shown_generics(job), method(proof), outcome.verdict]
+
+
+def read_rows(report: str) -> list[list[str]]:
+    """The rows of a report's tables, headers among them."""
+    lines = [line for line in report.splitlines() if line.startswith("| ") and " | " in line]
+    return [line.removeprefix("| ").removesuffix(" |").split(" | ") for line in lines]
 
 
 def write_report(proofs: list[Proof], outcomes: list[Outcome]) -> None:
     """docs/reports/formal.md: what came out; rows of proofs that were not run stay as they are."""
-    rows = [row for row in REPORT.read_text().splitlines() if row.startswith("| ") and " | " in row]
-    second = rows.index("| proof | mutant | in | rejected at |")
-    lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Proofs", ""]
-    lines += [
-        "Written by `make formal`; [formal.md](../explanation/formal.md) says what is proved and how.",
-        "",
-    ]
-    heads = [
-        ["| proof | units | generics | method | result |", "| --- | --- | --- | --- | --- |"],
-        ["| proof | mutant | in | rejected at |", "| --- | --- | --- | --- |"],
-    ]
-    for mutants, (head, kept) in enumerate(zip(heads, (rows[:second], rows[second:]), strict=True)):
-        lines += ["", "Mutants, each rejected by the proof of its row:", ""] * mutants + head
+    rows = read_rows(REPORT.read_text())
+    second = rows.index(list(HEADERS[1]))
+    tables = []
+    for mutants, (header, kept) in enumerate(zip(HEADERS, (rows[:second], rows[second:]), strict=True)):
+        cells = []
         for proof in proofs:
             new = [outcome for outcome in outcomes if outcome.job.proof == proof]
             made = [report_row(outcome) for outcome in new if (outcome.job.mutant is not None) == mutants]
-            lines += made if new else [row for row in kept if row.startswith(f"| {proof.name} | ")]
-    temporary = REPORT.with_suffix(".tmp")
-    temporary.write_text("\n".join(lines) + "\n")
-    temporary.replace(REPORT)
+            cells += made if new else [row for row in kept if row[0] == proof.name]
+        tables.append(markdown_table(header, cells))
+    text = f"""\
+<!-- SPDX-License-Identifier: Apache-2.0 -->
+# Proofs
+
+Written by `make formal`; [formal.md](../explanation/formal.md) says what is proved and how.
+
+{tables[0]}
+
+Mutants, each rejected by the proof of its row:
+
+{tables[1]}
+"""
+    write_text(REPORT, text)
 
 
 def show(outcome: Outcome) -> None:

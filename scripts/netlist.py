@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from quadshade.cli.options import generic_option
 from quadshade.contract.formats import parse_generics
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
 
 PATH = click.Path(dir_okay=False, path_type=Path)
 
@@ -28,9 +28,7 @@ def main(top: str, files: tuple[Path, ...], generics: tuple[str, ...], output: P
         netlist = write_netlist(parse_generics(generics), top, [path.resolve() for path in files])
         if output is not None:
             output.parent.mkdir(parents=True, exist_ok=True)
-            temporary = output.with_name(output.name + ".tmp")
-            shutil.copyfile(netlist, temporary)
-            temporary.replace(output)
+            write_text(output, netlist.read_text())
     except (QuadshadeError, OSError) as error:
         click.echo(f"netlist: error: {error}", err=True)
         sys.exit(2)

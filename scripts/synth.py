@@ -16,6 +16,7 @@ from quadshade.contract.formats import Formats, parse_generics
 from quadshade.engine.netlist import core_of
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
 from quadshade.synthesis import find_board, find_device, implement
 from quadshade.synthesis import table as resources
 from quadshade.synthesis.flow import Placed
@@ -120,7 +121,7 @@ def limits(seeds: int) -> None:
         if not too_slow:
             rows[index] = row
             fresh = {"seeds": seeds, "tools": resources.tools(rows), "rows": rows}
-            resources.write_text(resources.table_path(root), resources.dumps(fresh))
+            write_text(resources.table_path(root), resources.dumps(fresh))
     show(measured)
     if failures:
         raise Failure("; ".join(failures))
@@ -145,7 +146,7 @@ def readme() -> None:
     path = root / "README.md"
     if not path.is_file():
         raise QuadshadeError(f"there is no {path}")
-    resources.write_text(path, resources.with_table(path.read_text(), resources.read_table(root)))
+    write_text(path, resources.with_table(path.read_text(), resources.read_table(root)))
 
 
 if __name__ == "__main__":

@@ -81,7 +81,7 @@ def test_the_committed_report_is_its_data() -> None:
 
     data = json.loads(report.REPORT.with_suffix(".json").read_text())
     written = report.REPORT.read_text()
-    assert "\n".join(report.table(data["scenes"])) in written
+    assert report.table(data["scenes"]) in written
     assert report.claim(data["scenes"]) in written
 
 

@@ -9,8 +9,6 @@ report says so.
 
 from __future__ import annotations
 
-import json
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,16 +33,17 @@ from quadshade.adapt.plan import Planner
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
+from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.ticker import NullFormatter
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "adapt.md"
+REPORT = REPORTS / "adapt.md"
 GENERATED = ("sphere:168", "sphere:690", "torus:288")
 LEVELS = 3
 """Undivided, and every triangle divided into 4 and 16."""
@@ -244,11 +243,8 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
     lines += [
         "![error against bytes](adapt.png)",
         "",
-        f"| {' | '.join(COLUMNS)} |",
-        "|" + " --- |" * len(COLUMNS),
+        markdown_table(COLUMNS, [cells(scene["mesh"], row) for scene in scenes for row in scene["fixed"]]),
     ]
-    for scene in scenes:
-        lines += [f"| {' | '.join(cells(scene['mesh'], row))} |" for row in scene["fixed"]]
     not_dominated = [
         f"- {scene['mesh']}, {row['choice']}, {measure}: {row[f'dominated_{measure}']}"
         for scene in scenes
@@ -263,16 +259,7 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
 
 def mix_text(scenes: list[dict]) -> list[str]:
     """What `--max-error` picks."""
-    lines = [
-        "## What is picked",
-        "",
-        "`quadshade render --max-error`: every pixel verified. *Parts* are triangles sent, counted by their",
-        "highest order; *with a power* are those whose specular cosine is linear or quadratic. *The other's*",
-        "bytes are those of the next best channels that were tried.",
-        "",
-        f"| {' | '.join(MIX_COLUMNS)} |",
-        "|" + " --- |" * len(MIX_COLUMNS),
-    ]
+    rows = []
     for scene in scenes:
         for row in scene["mixes"]:
             orders, powers = row["triangles_by_order"], row["specular_by_order"]
@@ -281,8 +268,16 @@ def mix_text(scenes: list[dict]) -> list[str]:
             line += [rival.get("bytes", "–"), row["divided"], row["triangles"], *orders.values()]
             varying = powers["linear"] + powers["quadratic"]
             line += [varying if row["adaptive_shading"] == CosineShader.shading else "–", f"{row['max']:.2f}"]
-            lines.append(f"| {' | '.join(map(str, line))} |")
-    return lines
+            rows.append(line)
+    return [
+        "## What is picked",
+        "",
+        "`quadshade render --max-error`: every pixel verified. *Parts* are triangles sent, counted by their",
+        "highest order; *with a power* are those whose specular cosine is linear or quadratic. *The other's*",
+        "bytes are those of the next best channels that were tried.",
+        "",
+        markdown_table(MIX_COLUMNS, rows),
+    ]
 
 
 @click.command()
@@ -296,7 +291,8 @@ def mix_text(scenes: list[dict]) -> list[str]:
     type=click.Path(exists=True, path_type=Path),
     help="Instead of pyvista's.",
 )
-def main(size: int, exponent: float, steps: int, files: tuple[Path, ...]) -> None:
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(size: int, exponent: float, steps: int, files: tuple[Path, ...], output: Path) -> None:
     """Draw every fixed choice and the adaptive curves, and write the report."""
     console, material = Console(stderr=True), Material(exponent=exponent)
     scenes = []
@@ -307,21 +303,14 @@ def main(size: int, exponent: float, steps: int, files: tuple[Path, ...]) -> Non
         for name, source in [*((n, n) for n in GENERATED), *((path.name, str(path)) for path in real)]:
             console.print(f"drawing {name}")
             scenes.append(scene_report(name, source, size, steps, material))
-    command = "python -m scripts.experiments.adaptive_vs_fixed"
-    command += f" --size {size} --exponent {exponent:g} --steps {steps}"
-    command += "".join(f" --mesh {path.name}" for path in files)
+    names = [path.name for path in files]
+    command = command_line("adaptive_vs_fixed", size=size, exponent=exponent, steps=steps, mesh=names)
     settings = f"{size}x{size} pixels, default lights, exponent {exponent:g}, default generics."
-    plot(scenes, REPORT.with_suffix(".png"))
-    REPORT.with_suffix(".json").write_text(
-        json.dumps({"command": command, "scenes": scenes}, indent=1) + "\n"
-    )
-    REPORT.write_text(text(scenes, command, settings, not real))
-    print(REPORT.read_text())
+    plot(scenes, output.with_suffix(".png"))
+    written = text(scenes, command, settings, not real)
+    write_report(output, written, {"command": command, "scenes": scenes})
+    click.echo(written)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

@@ -8,19 +8,17 @@ Writes docs/reports/boardspeed.md and boardspeed.json.
 
 from __future__ import annotations
 
-import json
-import sys
 import time
-from pathlib import Path
 
 import click
 
 from quadshade.board import Board, BoardSettings
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.shading.sample import sample
+from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "boardspeed.md"
+REPORT = REPORTS / "boardspeed.md"
 WANTED_RATE, WANTED_SHARE = 100, 0.95
 BITS_OF_A_BYTE = 10
 SHADE = {"with_shade": 1, "num_channels": 2, "num_specular": 1}
@@ -81,30 +79,46 @@ def measure(scene: str, size: tuple[int, int], rounds: int, clocks_per_bit: int)
     }
 
 
-def text(rows: list[dict], command: str) -> str:
-    """The report."""
-    lines = [
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
-        "# The simulated board's speed, and its line",
-        "",
-        f"Written by `{command}` (`make boardspeed`). The whole board in Verilator,",
-        "UART pins included, with the host's own program at the other end; all triangles, those seen from",
-        "behind too, and the CRC of the picture, which is the golden model's. *The line is busy* in the",
-        "clocks in which a byte is on its way to the board, from the first set-up word to the last",
-        "acknowledgement: drawing hides behind it.",
-        "",
-        "| scene | screen | clocks a bit | triangles | a second | bytes a triangle | line busy | met |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
-    ]
-    for row in rows:
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    header = (
+        "scene",
+        "screen",
+        "clocks a bit",
+        "triangles",
+        "a second",
+        "bytes a triangle",
+        "line busy",
+        "met",
+    )
+    rate, share = f"≥ {WANTED_RATE} a second", f"≥ {100 * WANTED_SHARE:.0f} %"
+    rows = []
+    for row in results["rows"]:
         fast, full = row["triangles_a_second"] >= WANTED_RATE, row["line_share"] >= WANTED_SHARE
-        lines.append(
-            f"| {row['scene']} | {row['screen'][0]}x{row['screen'][1]} | {row['clocks_per_bit']} |"
-            f" {row['triangles']} | {row['triangles_a_second']:.0f} | {row['bytes_a_triangle']:.1f} |"
-            f" {100 * row['line_share']:.1f} % | ≥ {WANTED_RATE} a second {'met' if fast else 'MISSED'},"
-            f" ≥ {100 * WANTED_SHARE:.0f} % {'met' if full else 'MISSED'} |"
+        rows.append(
+            (
+                row["scene"],
+                f"{row['screen'][0]}x{row['screen'][1]}",
+                row["clocks_per_bit"],
+                row["triangles"],
+                f"{row['triangles_a_second']:.0f}",
+                f"{row['bytes_a_triangle']:.1f}",
+                f"{100 * row['line_share']:.1f} %",
+                f"{rate} {'met' if fast else 'MISSED'}, {share} {'met' if full else 'MISSED'}",
+            )
         )
-    return "\n".join(lines) + "\n"
+    return f"""\
+{LICENCE}
+# The simulated board's speed, and its line
+
+Written by `{results["command"]}` (`make boardspeed`). The whole board in Verilator,
+UART pins included, with the host's own program at the other end; all triangles, those seen from
+behind too, and the CRC of the picture, which is the golden model's. *The line is busy* in the
+clocks in which a byte is on its way to the board, from the first set-up word to the last
+acknowledgement: drawing hides behind it.
+
+{markdown_table(header, rows)}
+"""
 
 
 @click.command(help=__doc__)
@@ -112,15 +126,10 @@ def text(rows: list[dict], command: str) -> str:
 @click.option("--rounds", default=3, show_default=True, type=click.IntRange(1, 100))
 def main(scene: str, rounds: int) -> None:
     rows = [measure(scene, (160, 120), rounds, clocks) for clocks in (5, 8)]
-    command = f"python -m scripts.experiments.board_speed --scene {scene} --rounds {rounds}"
-    REPORT.with_suffix(".json").write_text(json.dumps({"command": command, "rows": rows}, indent=1) + "\n")
-    REPORT.write_text(text(rows, command))
-    print(REPORT.read_text())
+    results = {"command": command_line("board_speed", scene=scene, rounds=rounds), "rows": rows}
+    write_report(REPORT, report(results), results)
+    click.echo(report(results))
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

@@ -11,12 +11,10 @@ Writes docs/reports/extremes.md, .json and .png.
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from itertools import pairwise
 from pathlib import Path
-from textwrap import fill
 
 import click
 import numpy as np
@@ -24,11 +22,12 @@ import numpy as np
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.setup.triangle_setup import MAX_ERROR, ROUNDINGS
 from quadshade.shading.reference import interpolated
+from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "extremes.md"
+REPORT = REPORTS / "extremes.md"
 FRACTIONS = tuple(range(8, 27, 2))
 SHAPES = (
     ((0, 0), (0, 1), (1, 1)),
@@ -195,11 +194,6 @@ def number(value: float | None, bits: bool = False) -> str:
     return "" if value is None else f"{value:.1f}" if bits else f"{value:.3g}"
 
 
-def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A Markdown table."""
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in [header, ("---",) * len(header), *rows])
-
-
 def rule_table(rows: list[dict]) -> str:
     """For every size: the rule's bits and what they cost, the bits that are needed."""
     header = (
@@ -212,7 +206,7 @@ def rule_table(rows: list[dict]) -> str:
         "independent: measured",
         "bound",
     )
-    return table(
+    return markdown_table(
         header,
         [
             (
@@ -237,7 +231,7 @@ def error_table(rows: list[dict]) -> str:
         own = [row for row in chosen(rows) if row["size"] == size]
         cells = (f"{row['worst']:.2g} / {row['typical']:.2g} / {row['bound']:.2g}" for row in own)
         lines.append((str(size), *cells))
-    return table(("size", *(f"{bits} bits" for bits in FRACTIONS)), lines)
+    return markdown_table(("size", *(f"{bits} bits" for bits in FRACTIONS)), lines)
 
 
 def division_table(rows: list[dict]) -> str:
@@ -258,7 +252,7 @@ def division_table(rows: list[dict]) -> str:
             )
         )
     header = "size", "fraction", "packets a triangle", "clocks", "error before", "error after", "bound after"
-    return table(header, lines)
+    return markdown_table(header, lines)
 
 
 def report(results: dict) -> str:
@@ -306,11 +300,6 @@ compared with those of the same triangles undivided.
     )
 
 
-def paragraph(text: str) -> str:
-    """Text in lines of 110 columns."""
-    return fill(" ".join(text.split()), 110)
-
-
 @click.command()
 @click.option("--largest", default=4096, show_default=True, help="Largest size, in pixels.")
 @click.option("--triangles", default=16, show_default=True, help="Triangles a size, fewer of the large ones.")
@@ -324,17 +313,11 @@ def main(largest: int, triangles: int, seed: int, output: Path) -> None:
         rows += measure(size, count, seed)
         print(f"size {size}: {count} triangles", file=sys.stderr)
         size *= 2
-    command = "python -m scripts.experiments.error_extremes"
-    command += f" --largest {largest} --triangles {triangles} --seed {seed}"
+    command = command_line("error_extremes", largest=largest, triangles=triangles, seed=seed)
     results = {"command": command, "rows": rows}
     plot(rows, output.with_suffix(".png"))
-    output.write_text(report(results))
-    output.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n")
+    write_report(output, report(results), results)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

@@ -29,6 +29,7 @@ from rich.table import Table
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.core.raster_core import draw_scalar
 from quadshade.scene import load_scene, parse_camera, project
@@ -36,8 +37,9 @@ from quadshade.setup.literature.methods import METHODS, kernel_arguments
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
+from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "hostspeed.md"
+REPORT = REPORTS / "hostspeed.md"
 SCREEN = 1024
 PLAIN_SCENE = "sphere:690"
 PLAIN_TRIANGLES = 200
@@ -224,12 +226,6 @@ def total_rate(path: dict, what: str = "triangles") -> float:
     return path[what] / sum(path["seconds"].values())
 
 
-def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A Markdown table."""
-    lines = [header, ("---",) * len(header), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-
-
 def met(value: float, target: float, most: bool = False) -> str:
     """A target's cell."""
     good = value <= target if most else value >= target
@@ -334,7 +330,7 @@ or the scalar golden model, measured in the same run, with the same words and pi
 """
     parts = [head.strip()]
     for title, header, rows in sections(results):
-        parts.append(f"## {title}\n{explained[title].strip()}\n\n{table(header, rows)}")
+        parts.append(f"## {title}\n{explained[title].strip()}\n\n{markdown_table(header, rows)}")
     return "\n\n".join(parts) + "\n"
 
 
@@ -350,8 +346,7 @@ def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain
     if plain:
         print(json.dumps({"setups": setups(1, 1), "host_path": host_path(PLAIN_SCENE, False, 1)}))
         return
-    command = f"python -m scripts.experiments.host_speed --scene {scene} --golden {golden} --slices {slices}"
-    command += f" --repeats {repeats}"
+    command = command_line("host_speed", scene=scene, golden=golden, slices=slices, repeats=repeats)
     results = {"command": command, "scene": scene} | measure(scene, golden, slices, repeats)
     console = Console()
     console.width = max(console.width, 120)
@@ -360,13 +355,8 @@ def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain
         for row in rows:
             shown.add_row(*row)
         console.print(shown)
-    output.write_text(report(results))
-    output.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n")
+    write_report(output, report(results), results)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

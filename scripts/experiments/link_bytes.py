@@ -9,14 +9,15 @@ the golden model, and compared with Phong shading of the same triangles.
 
 from __future__ import annotations
 
-import json
 import time
 from pathlib import Path
 
+import click
 import numpy as np
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.files.markdown import markdown_table
 from quadshade.golden.shade import render_core
 from quadshade.image.compare import psnr
 from quadshade.packing.frame_file import line_bytes
@@ -26,9 +27,9 @@ from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
 from quadshade.shading import sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong
-from scripts.readme import markdown
+from scripts.experiments.report_writer import LICENCE, REPORTS, run_command, write_report
 
-REPORTS = Path(__file__).resolve().parents[2] / "docs" / "reports"
+REPORT = REPORTS / "link_bytes.md"
 WIDTH, HEIGHT = 320, 240
 SCENES = ("sphere:690", "sphere:374", "sphere:168", "torus:288", "icosphere:4")
 CAMERAS = {"perspective": "from=0,0,1", "orthographic": "from=0,0,1,ortho=1.05"}
@@ -128,14 +129,15 @@ def label(error: float | None) -> str:
     return "set-up words" if error is None else f"{error:g}"
 
 
-def report(rows: list[dict], speed: dict[str, float]) -> str:
-    """The text of the report."""
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    rows, speed = results["rows"], results["speed"]
     columns = (None, *ERRORS)
     cases = [rows[at : at + len(columns)] for at in range(0, len(rows), len(columns))]
 
     def table(figure: str) -> str:
         header = ("scene", "camera", "shading", "triangles", *map(label, columns))
-        return markdown(
+        return markdown_table(
             header,
             [
                 (
@@ -154,7 +156,7 @@ def report(rows: list[dict], speed: dict[str, float]) -> str:
     usually, most = max(db for whole, db in lost if whole < HIGH_DB), max(db for _, db in lost)
     changed, largest = (max(row[name] for _, row in usual) for name in ("changed", "largest"))
     return f"""\
-<!-- SPDX-License-Identifier: Apache-2.0 -->
+{LICENCE}
 # Bytes on the line
 
 Written by `make linkbytes`; {WIDTH}x{HEIGHT}, depth in every scene, default lights and material.
@@ -164,6 +166,7 @@ Mean bytes of a drawn triangle, everything on the line counted: TRIANGLES frames
 COBS, header and CRC. Columns: grey levels that packing may add, {PACK_ERROR:g} by default.
 
 {table("bytes")}
+
 Others, for colour that is linear (Gouraud) with depth, without frames or CRC:
 {", ".join(f"{name} {size}" for name, size in PEERS)}.
 
@@ -172,6 +175,7 @@ Others, for colour that is linear (Gouraud) with depth, without frames or CRC:
 PSNR in dB against Phong shading of the same triangles:
 
 {table("psnr")}
+
 At {PACK_ERROR:g} no picture below {HIGH_DB} dB loses more than {usually:.2f} dB, no other more than
 {most:.2f}. At most {changed} pixels of {WIDTH * HEIGHT} differ from the picture of the words as they were,
 by {largest} grey level{"s" * (largest != 1)} at most.
@@ -183,21 +187,21 @@ by {largest} grey level{"s" * (largest != 1)} at most.
 """
 
 
-def main() -> None:
-    """Measure, write the report."""
+@click.command(help=__doc__)
+@click.option("--scene", "scenes", multiple=True, default=SCENES, show_default=True, help="Repeatable.")
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(scenes: tuple[str, ...], output: Path) -> None:
     rows = [
         row
-        for scene in SCENES
+        for scene in scenes
         for camera in CAMERAS
         for shading in SHADINGS
         for row in measure(scene, camera, shading)
     ]
-    speed = triangles_per_second()
-    (REPORTS / "link_bytes.json").write_text(json.dumps({"rows": rows, "speed": speed}, indent=1) + "\n")
-    text = report(rows, speed)
-    (REPORTS / "link_bytes.md").write_text(text)
-    print(text, end="")
+    results = {"rows": rows, "speed": triangles_per_second()}
+    write_report(output, report(results), results)
+    click.echo(report(results), nl=False)
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

@@ -10,7 +10,6 @@ both ways: words that are missing, doubled or exchanged are wrong. Exit code 1 i
 
 from __future__ import annotations
 
-import json
 import random
 import sys
 from collections import Counter
@@ -21,13 +20,15 @@ import click
 import numpy as np
 
 from quadshade.contract.protocol import MAX_PAYLOAD, WORD_BYTES, LinkError, Opcode
+from quadshade.files.markdown import markdown_table
 from quadshade.golden.board import BoardModel
 from quadshade.link.faults import FaultInjector
 from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport
+from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
 
-REPORTS = Path(__file__).resolve().parents[2] / "docs" / "reports"
+REPORT = REPORTS / "faults.md"
 RATES = {1e-4: 1, 1e-3: 10, 1e-2: 40}
 """Faults a byte, and what share of the faults: a low rate needs many bytes for each."""
 SESSION_SHARES = {1e-5: 1, 1e-4: 10, 1e-3: 300, 1e-2: 2000}
@@ -174,49 +175,59 @@ def session_run(rate: float, at_least: int, seed: int, words: int = 20000) -> Se
     return run
 
 
-def session_table(runs: list[SessionRun]) -> list[str]:
-    """Rows of the report."""
-    head = "| faults a byte | faults | sessions | words | frames sent again | bytes sent by bytes of words "
-    return [
-        head + "| said to be too bad | wrong |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
-        *(
-            f"| {run.rate:g} | {run.injected:,} | {run.sessions} | {run.words:,} | {run.resent:,} "
-            f"| {run.overhead} | {run.given_up} | {run.wrong} |"
-            for run in runs
-        ),
-    ]
-
-
-def codec_table(runs: list[CodecRun]) -> list[str]:
-    """Rows of the report."""
-    head = [
-        "| faults a byte | faults | frames | accepted | dropped | wrong |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
+def session_table(runs: list[SessionRun]) -> str:
+    """The report's table."""
+    header = ("faults a byte", "faults", "sessions", "words", "frames sent again")
+    header += ("bytes sent by bytes of words", "said to be too bad", "wrong")
     rows = [
-        f"| {run.rate:g} | {run.injected:,} | {run.sent:,} | {run.accepted:,} "
-        f"| {', '.join(f'{name} {count:,}' for name, count in run.dropped.items())} | {run.wrong} |"
+        (
+            f"{run.rate:g}",
+            f"{run.injected:,}",
+            run.sessions,
+            f"{run.words:,}",
+            f"{run.resent:,}",
+            run.overhead,
+            run.given_up,
+            run.wrong,
+        )
         for run in runs
     ]
-    return [*head, *rows]
+    return markdown_table(header, rows)
 
 
-def write_report(name: str, options: str, lines: list[str], runs: list) -> bool:
-    """Write docs/reports/NAME.md and .json, print the table; true if nothing was wrong."""
-    total, wrong = sum(run.injected for run in runs), sum(run.wrong for run in runs)
-    summary = f"**{total:,} faults, {wrong} wrong.**"
-    head = [
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
-        "# Faults on the link",
-        "",
-        f"Written by `make faults` (`scripts/experiments/link_faults.py {options}`); the wire format is in",
-        "[protocol.md](../reference/protocol.md).",
-        "",
+def codec_table(runs: list[CodecRun]) -> str:
+    """The report's table."""
+    header = ("faults a byte", "faults", "frames", "accepted", "dropped", "wrong")
+    rows = [
+        (
+            f"{run.rate:g}",
+            f"{run.injected:,}",
+            f"{run.sent:,}",
+            f"{run.accepted:,}",
+            ", ".join(f"{name} {count:,}" for name, count in run.dropped.items()),
+            run.wrong,
+        )
+        for run in runs
     ]
-    (REPORTS / f"{name}.md").write_text("\n".join([*head, *lines, "", summary]) + "\n")
-    (REPORTS / f"{name}.json").write_text(json.dumps([asdict(run) for run in runs], indent=2) + "\n")
-    click.echo("\n".join([*lines, "", summary]))
+    return markdown_table(header, rows)
+
+
+def report_faults(
+    output: Path, command: str, about: str, table: str, runs: list[CodecRun] | list[SessionRun]
+) -> bool:
+    """Write a report and print its table; true if nothing was wrong."""
+    total, wrong = sum(run.injected for run in runs), sum(run.wrong for run in runs)
+    body = f"{about}\n\n{table}\n\n**{total:,} faults, {wrong} wrong.**\n"
+    head = f"""\
+{LICENCE}
+# Faults on the link
+
+Written by `make faults` (`{command}`); the wire format is in
+[protocol.md](../reference/protocol.md).
+
+"""
+    write_report(output, head + body, [asdict(run) for run in runs])
+    click.echo(body, nl=False)
     return not wrong
 
 
@@ -224,32 +235,30 @@ def write_report(name: str, options: str, lines: list[str], runs: list) -> bool:
 @click.option("--frames", default=1_020_000, show_default=True, help="Faults into frames; 0 for none.")
 @click.option("--sessions", default=12_000, show_default=True, help="Faults into sessions; 0 for none.")
 @click.option("--seed", default=1, show_default=True)
-def main(frames: int, sessions: int, seed: int) -> None:
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report on frames to write.")
+def main(frames: int, sessions: int, seed: int, output: Path) -> None:
     good = True
     if frames:
         shares = sum(RATES.values())
         runs = [codec_run(rate, frames * share // shares, seed) for rate, share in RATES.items()]
-        lines = [
-            f"TRIANGLES frames of 12 to 1024 bytes through a line with faults ({', '.join(runs[0].kinds)})",
-            "into the host's parser. *Wrong* is a frame that comes out and is not the one that was sent, or",
-            "comes out of order or twice. Sessions: [faults_sessions.md](faults_sessions.md).",
-            "",
-            *codec_table(runs),
-        ]
-        good &= write_report("faults", f"--frames {frames} --seed {seed}", lines, runs)
+        about = f"""\
+TRIANGLES frames of 12 to 1024 bytes through a line with faults ({", ".join(runs[0].kinds)})
+into the host's parser. *Wrong* is a frame that comes out and is not the one that was sent, or
+comes out of order or twice. Sessions: [faults_sessions.md](faults_sessions.md)."""
+        command = command_line("link_faults", frames=frames, seed=seed)
+        good &= report_faults(output, command, about, codec_table(runs), runs)
     if sessions:
         shares = sum(SESSION_SHARES.values())
         ran = [session_run(rate, sessions * part // shares, seed) for rate, part in SESSION_SHARES.items()]
-        lines = [
-            "Sessions that send 20,000 set-up words each to the model of the board, faults both ways.",
-            "*Wrong* is a session after which the board's words are not those sent, each once and in order.",
-            "",
-            *session_table(ran),
-        ]
-        good &= write_report("faults_sessions", f"--sessions {sessions} --seed {seed}", lines, ran)
+        about = """\
+Sessions that send 20,000 set-up words each to the model of the board, faults both ways.
+*Wrong* is a session after which the board's words are not those sent, each once and in order."""
+        command = command_line("link_faults", sessions=sessions, seed=seed)
+        beside = output.with_name(f"{output.stem}_sessions.md")
+        good &= report_faults(beside, command, about, session_table(ran), ran)
     if not good:
         sys.exit(1)
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

@@ -12,7 +12,6 @@ Exit code 1 if anything is wrong.
 
 from __future__ import annotations
 
-import json
 import random
 import sys
 import time
@@ -30,6 +29,7 @@ from quadshade.board.settings import BoardSettings
 from quadshade.board.simulated import SimulatedBoard
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import LinkError, Opcode
+from quadshade.files.markdown import markdown_table
 from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.planes import read_picture
 from quadshade.link.session import Session
@@ -37,9 +37,9 @@ from quadshade.link.transport import FaultyTransport, open_transport
 from quadshade.packing.frame_file import FrameFile, line_bytes, pack_frame
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import sample
-from scripts.readme import markdown
+from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
 
-REPORTS = Path(__file__).resolve().parents[2] / "docs" / "reports"
+REPORT = REPORTS / "faults_rtl.md"
 WIDTH, HEIGHT = 40, 30
 SHARES = {1e-5: 5, 1e-4: 45, 1e-3: 350, 1e-2: 700}
 """Faults a byte, and what share of the faults: a low rate needs many bytes for each."""
@@ -257,14 +257,15 @@ def table(runs: list[FaultRun]) -> str:
     columns = ("rate", "injected", "pictures", "too_bad", "resent", "timeouts", "wrong")
     header = ("faults a byte", "faults", "pictures right", "said to be too bad", "frames sent again")
     rows = [tuple(f"{getattr(run, name):g}" for name in columns) for run in runs]
-    return markdown((*header, "time-outs", "wrong"), rows).rstrip()
+    return markdown_table((*header, "time-outs", "wrong"), rows)
 
 
 @click.command(help=__doc__)
 @click.option("--faults", default=1100, show_default=True, help="At least so many.")
 @click.option("--noise", default=200_000, show_default=True, help="Random bytes.")
 @click.option("--seed", default=1, show_default=True)
-def main(faults: int, noise: int, seed: int) -> None:
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(faults: int, noise: int, seed: int, output: Path) -> None:
     settings = BoardSettings(screen_width=WIDTH, screen_height=HEIGHT)
     frames, short = (
         pictures(("sphere:168", "torus:288", "icosphere:2"), seed),
@@ -290,11 +291,12 @@ def main(faults: int, noise: int, seed: int) -> None:
     answered = "answered" if noisy.accepted else "NOT ANSWERED"
     bit_clocks, share = settings.clk_frequency_hz // settings.baud, 100 * efficiency["efficiency"]
     dropped = ", ".join(f"{key} {value}" for key, value in noisy.dropped.items())
+    command = command_line("link_faults_rtl", faults=faults, noise=noise, seed=seed)
     text = f"""\
-<!-- SPDX-License-Identifier: Apache-2.0 -->
+{LICENCE}
 # Faults on the line to a board in RTL
 
-Written by `make faults-rtl` (`link_faults_rtl.py --faults {faults} --noise {noise} --seed {seed}`).
+Written by `make faults-rtl` (`{command}`).
 The netlist of `board` in Verilator, {WIDTH}x{HEIGHT}, behind a pseudo-terminal; one board for all below.
 Faults both ways: {", ".join(map(" ".join, sorted((kind, str(n)) for kind, n in kinds.items())))}.
 
@@ -317,13 +319,12 @@ The board counted: {dropped}.
 A byte was on its way to the board in {share:.2f} % of {efficiency["clocks"]} clocks, from before the first
 byte to the last acknowledgement.
 """
-    (REPORTS / "faults_rtl.md").write_text(text)
     content = {"runs": [asdict(run) for run in runs], "noise": asdict(noisy), "efficiency": efficiency}
-    (REPORTS / "faults_rtl.json").write_text(json.dumps(content, indent=2) + "\n")
+    write_report(output, text, content)
     click.echo(text, nl=False)
     if wrong or not noisy.good or efficiency["efficiency"] < LEAST_EFFICIENCY:
         sys.exit(1)
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

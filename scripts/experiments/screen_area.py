@@ -8,17 +8,13 @@ Writes docs/reports/screen.md and .json.
 
 from __future__ import annotations
 
-import json
-import sys
-from pathlib import Path
-
 import click
 
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.synthesis import find_device, implement
+from scripts.experiments.report_writer import LICENCE, REPORTS, run_command, write_report
 
-ROOT = Path(__file__).resolve().parents[2]
-REPORT = ROOT / "docs" / "reports" / "screen.md"
+REPORT = REPORTS / "screen.md"
 LARGE = {"width": 320, "height": 240}
 SMALL = {"width": 160, "height": 120}
 
@@ -53,30 +49,26 @@ def measure(unit: str, device: str, generics: dict[str, int], seeds: int) -> dic
     }
 
 
-def write_report(rows: list[dict], seeds: int) -> None:
-    """The report's two files."""
-    lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# The units behind the pixel stream", ""]
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    seeds = results["seeds"]
     placed = f"then nextpnr, median of {seeds} seed{'s' * (seeds > 1)}" if seeds else "not placed"
-    lines += [
-        f"Written by `make screen SEEDS={seeds}`: Yosys, {placed}. Generics that are not named have their",
-        "defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../reference/screen.md).",
-        "",
-        "| unit | device | generics | LUT4 | FF | block RAM | multipliers |"
-        + " MHz | limited by |" * bool(seeds),
-        f"| --- | --- | --- | --- | --- | --- | --- |{' --- | --- |' * bool(seeds)}",
-    ]
-    for row in rows:
+    header = ["unit", "device", "generics", "LUT4", "FF", "block RAM", "multipliers"]
+    header += ["MHz", "limited by"] * bool(seeds)
+    columns = ["lut4", "ff", "bram", "dsp"] + ["fmax_mhz", "critical_path"] * bool(seeds)
+    rows = []
+    for row in results["rows"]:
         generics = " ".join(f"{name}={value}" for name, value in row["generics"].items())
-        columns = ["lut4", "ff", "bram", "dsp"] + ["fmax_mhz", "critical_path"] * bool(seeds)
-        numbers = " | ".join(str(row[name]) for name in columns)
-        lines.append(f"| {row['unit']} | {row['device']} | {generics} | {numbers} |")
-    for path, text in (
-        (REPORT, "\n".join(lines) + "\n"),
-        (REPORT.with_suffix(".json"), json.dumps({"seeds": seeds, "rows": rows}, indent=2) + "\n"),
-    ):
-        temporary = path.with_suffix(path.suffix + ".tmp")
-        temporary.write_text(text)
-        temporary.replace(path)
+        rows.append((row["unit"], row["device"], generics, *(row[name] for name in columns)))
+    return f"""\
+{LICENCE}
+# The units behind the pixel stream
+
+Written by `make screen SEEDS={seeds}`: Yosys, {placed}. Generics that are not named have their
+defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../reference/screen.md).
+
+{markdown_table(header, rows)}
+"""
 
 
 @click.command(help=__doc__)
@@ -85,15 +77,12 @@ def write_report(rows: list[dict], seeds: int) -> None:
 )
 def main(seeds: int) -> None:
     rows = []
-    try:
-        for unit, device, generics in CASES:
-            rows.append(measure(unit, device, generics, seeds))
-            click.echo(f"{unit} {device} {generics}: {rows[-1]}")
-        write_report(rows, seeds)
-    except (QuadshadeError, OSError) as error:
-        click.echo(f"screen: error: {error}", err=True)
-        sys.exit(2)
+    for unit, device, generics in CASES:
+        rows.append(measure(unit, device, generics, seeds))
+        click.echo(f"{unit} {device} {generics}: {rows[-1]}")
+    results = {"seeds": seeds, "rows": rows}
+    write_report(REPORT, report(results), results)
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

@@ -8,23 +8,22 @@ in which a printed formula divides by zero or nearly so. Writes docs/reports/sta
 
 from __future__ import annotations
 
-import json
-import sys
 from fractions import Fraction
 from math import gcd
 from pathlib import Path
-from textwrap import fill
 
 import click
 import numpy as np
 
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.files.markdown import markdown_table
 from quadshade.setup.literature.general_solution import general_in
 from quadshade.setup.literature.methods import terms_in
 from quadshade.setup.triangle_setup import setup_triangles
+from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "stability.md"
+REPORT = REPORTS / "stability.md"
 METHODS = ("abbas", "general", "unit_triangle", "x_shading")
 TYPES = {"float32": np.float32, "float64": np.float64}
 WORDS = ("set-up", "words")
@@ -289,8 +288,7 @@ def held(rows: list[dict], method: str, kind: str, limit: float = 0.5) -> float:
 def table(rows: list[dict], family: str, values: tuple, label: str) -> str:
     """Worst errors in grey levels, a row a value of a family, a column a method and type."""
     keys = [*((method, kind) for kind in TYPES for method in METHODS), WORDS]
-    lines = [f"| {label} | " + " | ".join(f"{method}, {kind}" for method, kind in keys) + " |"]
-    lines.append("| --- |" + " --- |" * len(keys))
+    lines = []
     for value in values:
         cells = []
         for method, kind in keys:
@@ -301,9 +299,8 @@ def table(rows: list[dict], family: str, values: tuple, label: str) -> str:
             )
             failed = f", {row['undefined']} of {row['triangles']} undefined" if row["undefined"] else ""
             cells.append(number(row["worst_grey"]) + failed)
-        shown = value if isinstance(value, str) else f"{value:.3g}"
-        lines.append(f"| {shown} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append([value if isinstance(value, str) else f"{value:.3g}", *cells])
+    return markdown_table([label, *(f"{method}, {kind}" for method, kind in keys)], lines)
 
 
 def advice(rows: list[dict]) -> str:
@@ -335,7 +332,7 @@ only where needles are clipped away. The host sends none of these coefficients: 
 lattice, from the first covered pixel and in integers where float64 is too short, and the bound of what it
 sends was {sent:.2g} grey levels at most over all these triangles ([setup](../explanation/setup.md)).
 """
-    return fill(" ".join(text.split()), 110)
+    return paragraph(text)
 
 
 def report(results: dict) -> str:
@@ -374,13 +371,12 @@ Triangles of about 200 pixels.
 @click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
 def main(triangles: int, seed: int, output: Path) -> None:
     """Measure the set-up methods against exact rationals."""
-    command = f"python -m scripts.experiments.setup_stability --triangles {triangles} --seed {seed}"
+    command = command_line("setup_stability", triangles=triangles, seed=seed)
     results = {"command": command, "rows": sweep(triangles, seed)}
     plot(results["rows"], output.with_suffix(".png"))
-    output.write_text(report(results))
-    output.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n")
-    print(advice(results["rows"]), file=sys.stdout)
+    write_report(output, report(results), results)
+    click.echo(advice(results["rows"]))
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

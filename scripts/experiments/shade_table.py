@@ -7,20 +7,24 @@ The golden model draws; the tests hold the engines to it bit for bit.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
+
+import click
 
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
+from quadshade.files.atomic import write_text
+from quadshade.files.markdown import markdown_table
 from quadshade.image import paint, visible
 from quadshade.image.compare import psnr
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong
-from scripts.readme import markdown, replace_block
+from scripts.experiments.report_writer import LICENCE, REPORTS, ROOT, run_command, write_report
+from scripts.readme import replace_block
 
-ROOT = Path(__file__).resolve().parents[2]
-SIZE = 512
+REPORT = REPORTS / "shade.md"
+PAGE = ROOT / "docs" / "explanation" / "shade.md"
 CAMERAS = {"perspective": "from=0,0,1", "orthographic": "from=0,0,1,ortho=1.05"}
 TRIANGLES = (168, 374, 690)
 EXPONENTS = (5, 50, 200, 1000)
@@ -33,10 +37,10 @@ COLUMNS = {
 }
 
 
-def measure(camera: str, triangles: int, exponent: int) -> dict[str, float]:
+def measure(camera: str, triangles: int, exponent: int, size: int) -> dict[str, float]:
     """dB of every shading against Phong's picture."""
     mesh = load_scene(f"sphere:{triangles}")
-    projected = project(mesh, parse_camera(CAMERAS[camera], mesh), SIZE, SIZE)
+    projected = project(mesh, parse_camera(CAMERAS[camera], mesh), size, size)
     material = Material(exponent=exponent)
     specular = specular_formats({}, projected, None, material)
     coarse = specular_formats({"shade_guard_bits": 8}, projected, None, material)
@@ -49,7 +53,7 @@ def measure(camera: str, triangles: int, exponent: int) -> dict[str, float]:
     black, row, reference = (0, 0, 0), {}, None
     for name, (screen, formats) in drawings.items():
         pixels = draw(screen, formats).pixels
-        shown = visible(pixels, SIZE, SIZE)
+        shown = visible(pixels, size, size)
         if reference is None:
             reference = paint(
                 shown, phong(projected, pixels.triangle, pixels.x, pixels.y, None, material), black
@@ -58,38 +62,41 @@ def measure(camera: str, triangles: int, exponent: int) -> dict[str, float]:
     return row
 
 
-def main() -> None:
-    """Measure, write the report and the page's table."""
+def table(rows: list[dict]) -> str:
+    """The report's table, which stands in the page on the shade unit as well."""
+    header = ("camera", "triangles", "exponent", *COLUMNS.values())
+    cells = [
+        (row["camera"], row["triangles"], row["exponent"], *(f"{row[name]:.1f}" for name in COLUMNS))
+        for row in rows
+    ]
+    return markdown_table(header, cells) + "\n"
+
+
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    title = f"{LICENCE}\n# Spheres against Phong shading\n\n"
+    about = f"PSNR in dB, {results['size']}x{results['size']}, 8 bits, default lights; `make shade-table`"
+    about += " ([about](../explanation/shade.md)).\n\n"
+    return f"{title}{about}{table(results['rows'])}"
+
+
+@click.command(help=__doc__)
+@click.option("--size", default=512, show_default=True, help="Pixels a side.")
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(size: int, output: Path) -> None:
     rows = [
         {"camera": camera, "triangles": triangles, "exponent": exponent}
-        | measure(camera, triangles, exponent)
+        | measure(camera, triangles, exponent, size)
         for camera in CAMERAS
         for triangles in TRIANGLES
         for exponent in EXPONENTS
     ]
-    header = ("camera", "triangles", "exponent", *COLUMNS.values())
-    table = markdown(
-        header,
-        [
-            (
-                row["camera"],
-                str(row["triangles"]),
-                str(row["exponent"]),
-                *(f"{row[name]:.1f}" for name in COLUMNS),
-            )
-            for row in rows
-        ],
-    )
-    reports = ROOT / "docs" / "reports"
-    (reports / "shade.json").write_text(json.dumps({"size": SIZE, "rows": rows}, indent=1) + "\n")
-    title = "<!-- SPDX-License-Identifier: Apache-2.0 -->\n# Spheres against Phong shading\n\n"
-    about = f"PSNR in dB, {SIZE}x{SIZE}, 8 bits, default lights; `make shade-table`"
-    about += " ([about](../explanation/shade.md)).\n\n"
-    (reports / "shade.md").write_text(f"{title}{about}{table}")
-    page = ROOT / "docs" / "explanation" / "shade.md"
-    page.write_text(replace_block(page.read_text(), "shade", table))
-    print(table, end="")
+    results = {"size": size, "rows": rows}
+    write_report(output, report(results), results)
+    if output == REPORT:
+        write_text(PAGE, replace_block(PAGE.read_text(), "shade", table(rows)))
+    click.echo(table(rows), nl=False)
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main, REPORT)

@@ -31,13 +31,15 @@ from quadshade.engine.sources import repository_root
 from quadshade.engine.tool_runner import run_tool
 from quadshade.engine.verilator import build_verilator
 from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import EmittedPixels
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample
+from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
 
-REPORT = Path("docs") / "reports" / "simspeed.md"
+REPORT = REPORTS / "simspeed.md"
 LEAST_RATIO = 100
 
 
@@ -59,6 +61,11 @@ class Run:
     elapsed: float
     processor: float
     start: float
+
+    @property
+    def seconds(self) -> tuple[float, float, float]:
+        """By the clock, of the processor, of these to start."""
+        return self.elapsed, self.processor, self.start
 
     @property
     def rate(self) -> float:
@@ -110,7 +117,8 @@ def versions() -> str:
 @click.option("--scene", default="sphere:690", show_default=True)
 @click.option("--size", default=512, show_default=True, help="Pixels a side.")
 @click.option("--copies", default=50, show_default=True, help="How often Verilator draws the scene.")
-def main(scene: str, size: int, copies: int) -> None:
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(scene: str, size: int, copies: int, output: Path) -> None:
     console = Console()
     formats = Formats()
     root = repository_root()
@@ -126,39 +134,31 @@ def main(scene: str, size: int, copies: int) -> None:
     check_same(once, often)
     ratio = verilator.rate / ghdl.rate
     worth_it = compiled * ghdl.rate / 1000
-    lines = [
-        "| engine | cycles | seconds | processor seconds | of these, start | cycles per processor second |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
-    lines += [
-        f"| {run.engine} | {run.cycles} | {run.elapsed:.2f} | {run.processor:.2f} | {run.start:.2f} "
-        f"| {run.rate:,.0f} |"
+    header = ("engine", "cycles", "seconds", "processor seconds", "of these, start")
+    rows = [
+        (run.engine, run.cycles, *(f"{seconds:.2f}" for seconds in run.seconds), f"{run.rate:,.0f}")
         for run in (ghdl, verilator)
     ]
-    lines += [
-        "",
-        f"Verilator is **{ratio:.0f} times** as fast as GHDL (at least {LEAST_RATIO} is asked for).",
-        f"Compiling for Verilator, not counted above, took {elapsed:.1f} s ({compiled:.1f} s of the",
-        f"processor), once for each set of generics: worth it from {worth_it:,.0f} thousand cycles on.",
-    ]
-    command = f"scripts/experiments/simulation_speed.py --scene {scene} --size {size} --copies {copies}"
-    text = (
-        "# Simulation speed\n\n"
-        f"Written by `make simspeed` (`{command}`):\n"
-        f"{scene} at {size} by {size}, quadratic RGB with depth, default generics,\n"
-        f"in GHDL once, in Verilator {copies} times over; the pixels are the same.\n\n"
-        + "\n".join(lines)
-        + f"\n\nMeasured with {versions()}.\n"
-    )
-    (root / REPORT).write_text(text)
-    console.print(*lines, sep="\n", highlight=False, soft_wrap=True)
+    body = f"""\
+{markdown_table((*header, "cycles per processor second"), rows)}
+
+Verilator is **{ratio:.0f} times** as fast as GHDL (at least {LEAST_RATIO} is asked for).
+Compiling for Verilator, not counted above, took {elapsed:.1f} s ({compiled:.1f} s of the
+processor), once for each set of generics: worth it from {worth_it:,.0f} thousand cycles on.
+"""
+    head = f"""\
+# Simulation speed
+
+Written by `make simspeed` (`{command_line("simulation_speed", scene=scene, size=size, copies=copies)}`):
+{scene} at {size} by {size}, quadratic RGB with depth, default generics,
+in GHDL once, in Verilator {copies} times over; the pixels are the same.
+
+"""
+    write_report(output, f"{head}{body}\nMeasured with {versions()}.\n")
+    click.echo(body, nl=False)
     if ratio < LEAST_RATIO:
         sys.exit(1)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (QuadshadeError, OSError) as problem:
-        print(f"simspeed: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

@@ -8,10 +8,6 @@ Writes docs/reports/throughput.md and throughput.json.
 
 from __future__ import annotations
 
-import json
-import sys
-from pathlib import Path
-
 import click
 import numpy as np
 from rich.console import Console
@@ -22,11 +18,13 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine.draw import ENGINES, draw_words
 from quadshade.engine.ghdl import draw_ghdl
 from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import draw_fast
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
+from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[2] / "docs" / "reports" / "throughput.md"
+REPORT = REPORTS / "throughput.md"
 SCREEN = 1024
 BOXES = (8.1, 16.3, 32.8, 81.4, 224.6)
 """Sides of the square from which vertices are drawn, so that the means are near those of the peer's runs."""
@@ -94,6 +92,48 @@ def measure(vertices: np.ndarray, order: int, engine: str, rng: np.random.Genera
     }
 
 
+HEADER = (
+    "case",
+    "order",
+    "triangles",
+    "mean pixels",
+    "beats",
+    "clocks",
+    "clocks per pixel",
+    "target",
+    "RasterIX",
+)
+
+
+def cells(row: dict) -> tuple[str, ...]:
+    """A row of the table."""
+    met = row["target"] is None or row["clocks_per_pixel"] <= row["target"]
+    peer = row["peer"] if row["order"] == "linear" and row["peer"] else None
+    return (
+        row["case"],
+        row["order"],
+        str(row["triangles"]),
+        f"{row['mean_pixels']:.2f}",
+        str(row["beats"]),
+        str(row["clocks"]),
+        f"{row['clocks_per_pixel']:.4f}",
+        "" if row["target"] is None else f"≤ {row['target']} {'met' if met else 'MISSED'}",
+        f"{peer}" if peer else "",
+    )
+
+
+def report(results: dict) -> str:
+    """The report's text, from nothing but the numbers of the JSON file."""
+    return (
+        "# Clocks per covered pixel\n\n"
+        f"Written by `{results['command']}` (`make throughput`)."
+        " RGB with depth, 128-bit set-up stream, generics\n"
+        "otherwise by default. Simulated RTL and golden model agree in every pixel and in the clocks, which\n"
+        "count from the first beat accepted to the last pixel out. Triangles that cover no pixel centre\n"
+        f"count in the mean, but are not sent.\n\n{markdown_table(HEADER, map(cells, results['rows']))}\n"
+    )
+
+
 @click.command()
 @click.option(
     "--engine",
@@ -121,54 +161,16 @@ def main(engine: str, triangles: int, seed: int) -> None:
             row = measure(vertices, order, engine, rng, stall)
             rows.append({"case": name, "order": ORDER_NAMES[order], "target": None, "peer": None} | row)
 
-    header = (
-        "case",
-        "order",
-        "triangles",
-        "mean pixels",
-        "beats",
-        "clocks",
-        "clocks per pixel",
-        "target",
-        "RasterIX",
-    )
-    table = Table(*header)
-    lines = [f"| {' | '.join(header)} |", "|" + " --- |" * len(header)]
+    table = Table(*HEADER)
     for row in rows:
-        met = row["target"] is None or row["clocks_per_pixel"] <= row["target"]
-        peer = row["peer"] if row["order"] == "linear" and row["peer"] else None
-        cells = (
-            row["case"],
-            row["order"],
-            str(row["triangles"]),
-            f"{row['mean_pixels']:.2f}",
-            str(row["beats"]),
-            str(row["clocks"]),
-            f"{row['clocks_per_pixel']:.4f}",
-            "" if row["target"] is None else f"≤ {row['target']} {'met' if met else 'MISSED'}",
-            f"{peer}" if peer else "",
-        )
-        table.add_row(*cells)
-        lines.append(f"| {' | '.join(cells)} |")
+        table.add_row(*cells(row))
     console = Console()
     console.width = max(console.width, 120)
     console.print(table)
-    command = (
-        f"python -m scripts.experiments.throughput --engine {engine} --triangles {triangles} --seed {seed}"
-    )
-    REPORT.write_text(
-        "# Clocks per covered pixel\n\n"
-        f"Written by `{command}` (`make throughput`). RGB with depth, 128-bit set-up stream, generics\n"
-        "otherwise by default. Simulated RTL and golden model agree in every pixel and in the clocks, which\n"
-        "count from the first beat accepted to the last pixel out. Triangles that cover no pixel centre\n"
-        "count in the mean, but are not sent.\n\n" + "\n".join(lines) + "\n"
-    )
-    REPORT.with_suffix(".json").write_text(json.dumps({"command": command, "rows": rows}, indent=1) + "\n")
+    command = command_line("throughput", engine=engine, triangles=triangles, seed=seed)
+    results = {"command": command, "rows": rows}
+    write_report(REPORT, report(results), results)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

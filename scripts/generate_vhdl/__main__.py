@@ -17,6 +17,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from quadshade.contract import formats
+from quadshade.files.atomic import write_text
 from scripts.generate_vhdl import link as generate_link
 from scripts.generate_vhdl import packed as generate_packed
 
@@ -210,9 +211,7 @@ def main() -> int:
             print(f"{name} is not what its source in Python says: run `make rtl`", file=sys.stderr)
             code = 1
             continue
-        temporary = path.with_suffix(".tmp")
-        temporary.write_text(text)
-        temporary.replace(path)
+        write_text(path, text)
     return code
 
 

@@ -9,7 +9,6 @@ from it.
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -19,6 +18,7 @@ from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import core_of
 from quadshade.engine.tool_runner import package_version
 from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import YOSYS, Implementation, Placed, implement
 
@@ -57,13 +57,6 @@ def dumps(table: Mapping) -> str:
         rows.append("  {\n" + ",\n".join(fields) + "\n  }")
     head = [f" {json.dumps(key)}: {json.dumps(table[key])}" for key in ("seeds", "tools")]
     return "{\n" + ",\n".join(head) + ',\n "rows": [\n' + ",\n".join(rows) + "\n ]\n}\n"
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file beside its place, then move it there."""
-    temporary = path.with_name(f"{path.name}.tmp{os.getpid()}")
-    temporary.write_text(text)
-    temporary.replace(path)
 
 
 def find_row(table: Mapping, device: str, generics: Mapping[str, int]) -> dict | None:
@@ -164,14 +157,12 @@ def markdown(table: Mapping) -> str:
     """The table as Markdown."""
     head = ("configuration", "device", "LUT4", "flip-flops", "block RAM", "multipliers", "MHz")
     head += ("lone accumulator", "ratio")
-    lines = [f"| {' | '.join(head)} |", "| --- | --- |" + " ---: |" * (len(head) - 2)]
+    rows = []
     for row in table["rows"]:
         area = row["area"]
-        lines.append(
-            f"| {row['name']} | {row['device']} | {area['lut4']} | {area['ff']} | {area['bram']} "
-            f"| {area['dsp']} | {row['fmax_mhz']:.0f} | {row['lone_mhz']:.0f} | {row['ratio']:.2f} |"
-        )
-    return "\n".join(lines)
+        cells = [row["name"], row["device"], *(area[kind] for kind in ("lut4", "ff", "bram", "dsp"))]
+        rows.append([*cells, f"{row['fmax_mhz']:.0f}", f"{row['lone_mhz']:.0f}", f"{row['ratio']:.2f}"])
+    return markdown_table(head, rows, right=head[2:])
 
 
 def with_table(text: str, table: Mapping) -> str:

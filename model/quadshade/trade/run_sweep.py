@@ -8,7 +8,6 @@ A point is written as soon as it is measured, so a run that was killed goes on w
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from joblib import Parallel, delayed
 
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_atomically, write_json
 from quadshade.trade.area import DEVICE, count_cells, no_tools
 from quadshade.trade.grid import Grid, Point
 from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, measure, png
@@ -234,15 +234,14 @@ def _write(folder: Path, result: Sweep) -> None:
         "error_map",
         "reference",
     )
-    written = {}
-    for name in ("trade.json", "trade.csv"):
-        written[name] = folder / f".{name}.tmp"
-    written["trade.json"].write_text(json.dumps(result.content(), indent=1) + "\n")
-    with written["trade.csv"].open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        for record in result.records:
-            fronts = {f"pareto_{cost}": int(cost in record["pareto"]) for cost in COSTS}
-            writer.writerow(record | fronts)
-    for name, temporary in written.items():
-        temporary.replace(folder / name)
+
+    def write_rows(path: Path) -> None:
+        with path.open("w", newline="") as file:
+            writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
+            writer.writeheader()
+            for record in result.records:
+                fronts = {f"pareto_{cost}": int(cost in record["pareto"]) for cost in COSTS}
+                writer.writerow(record | fronts)
+
+    write_json(folder / "trade.json", result.content())
+    write_atomically(folder / "trade.csv", write_rows)

@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import fill
 
 import numpy as np
 
 from quadshade.adapt import highlight_subdivision, regular_subdivision
+from quadshade.files.markdown import markdown_table
 from quadshade.scene import fit_camera, project
 from quadshade.scene.mesh import Mesh
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
+from scripts.experiments.report_writer import paragraph
 
 SIZES = (256, 512)
 WIDTHS = (1.0, 0.9, 0.8, 0.75, 0.7)
@@ -71,30 +72,25 @@ def shares_text(shares: dict[str, list[dict]], paper: list[dict]) -> list[str]:
     lines = ["## Why the shares differ", ""]
     theirs = {(row["size"], row["scheme"]): row["paper_final"] for row in paper}
     lines.append(
-        fill(
+        paragraph(
             "The paper gives neither how large its teapot is in the picture nor its material or exponent. "
             "Regular subdivision depends on the first, highlight subdivision on the others. With the mesh "
-            "so much narrower in the picture (means over a third of the views):",
-            110,
+            "so much narrower in the picture (means over a third of the views):"
         )
     )
-    lines += ["", "| width | regular subdivision, final ÷ mesh, 256² | 512² |", "| --- | --- | --- |"]
-    for row in shares["widths"]:
-        lines.append(f"| {row['width']:g} | {row['final_256']:.2f} | {row['final_512']:.2f} |")
-    if paper:
-        cells = [
-            f"{theirs[size, 'Regular subdivision']:.2f}"
-            for size in SIZES
-            if (size, "Regular subdivision") in theirs
-        ]
-        lines.append(f"| paper | {' | '.join(cells)} |")
-    lines += ["", "With other materials (256²; the tables above have the first):", ""]
-    lines += [
-        "| diffuse | specular | exponent | highlight subdivision, final ÷ mesh |",
-        "| --- | --- | --- | --- |",
+    widths = [
+        (f"{row['width']:g}", f"{row['final_256']:.2f}", f"{row['final_512']:.2f}")
+        for row in shares["widths"]
     ]
-    for row in shares["materials"]:
-        lines.append(
-            f"| {row['diffuse']:g} | {row['specular']:g} | {row['exponent']:g} | {row['final']:.2f} |"
-        )
-    return lines
+    if paper:
+        found = (theirs.get((size, "Regular subdivision")) for size in SIZES)
+        widths.append(("paper", *("–" if share is None else f"{share:.2f}" for share in found)))
+    header = ("width", "regular subdivision, final ÷ mesh, 256²", "512²")
+    lines += ["", markdown_table(header, widths)]
+    lines += ["", "With other materials (256²; the tables above have the first):", ""]
+    materials = [
+        (*(f"{row[name]:g}" for name in ("diffuse", "specular", "exponent")), f"{row['final']:.2f}")
+        for row in shares["materials"]
+    ]
+    header = ("diffuse", "specular", "exponent", "highlight subdivision, final ÷ mesh")
+    return [*lines, markdown_table(header, materials)]

@@ -9,12 +9,9 @@ Phong's in one renderer that shades by either rule. Writes docs/reports/cho.md a
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from textwrap import fill
 
 import click
 import numpy as np
@@ -23,7 +20,7 @@ from rich.progress import track
 from quadshade.adapt import highlight_subdivision, potentially_highlighted, regular_subdivision
 from quadshade.adapt.highlight import with_neighbours
 from quadshade.contract.formats import Formats
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.scene.mesh import Mesh
 from quadshade.shading.lights import AmbientLight, Light, PointLight
@@ -32,8 +29,16 @@ from quadshade.trade.page.papers import cho_tables
 from scripts.experiments.cho.renderer import Picture, draw_software
 from scripts.experiments.cho.shares import measured_shares, shares_text
 from scripts.experiments.cho.teapot import teapot
+from scripts.experiments.report_writer import (
+    LICENCE,
+    REPORTS,
+    command_line,
+    paragraph,
+    run_command,
+    write_report,
+)
 
-REPORT = Path(__file__).resolve().parents[3] / "docs" / "reports" / "cho.md"
+REPORT = REPORTS / "cho.md"
 SIZES = (256, 512)
 FORMATS = Formats()
 LIGHT_DISTANCE = 3.0
@@ -250,16 +255,11 @@ def beside_paper(measured: list[dict], faces: int) -> list[dict]:
     return rows
 
 
-def _table(columns: tuple[str, ...], rows: list[list[str]]) -> list[str]:
-    lines = [f"| {' | '.join(columns)} |", "|" + " --- |" * len(columns)]
-    return lines + [f"| {' | '.join(row)} |" for row in rows]
-
-
 def _number(value: float | None, digits: int) -> str:
     return "–" if value is None else f"{value:.{digits}f}"
 
 
-def _measured_table(part: dict) -> list[str]:
+def _measured_table(part: dict) -> str:
     columns = ("scheme", "tested", "highlighted", "with neighbours", "subdivided", "into", "final", "rms")
     columns += (
         "PSNR, dB",
@@ -289,15 +289,15 @@ def _measured_table(part: dict) -> list[str]:
         ]
         for row in part["schemes"]
     ]
-    return _table(columns, rows)
+    return markdown_table(columns, rows)
 
 
-def _paper_table(rows: list[dict]) -> list[str]:
+def _paper_table(rows: list[dict]) -> str:
     columns = ("size", "scheme", "final ÷ mesh: paper", "ours", "subdivided ÷ mesh: paper", "ours")
     columns += ("time ÷ Gouraud: paper", "ours, all", "ours, drawing")
     columns += ("time ÷ Phong: paper", "ours, all", "ours, drawing")
     keys = tuple(rows[0])[2:] if rows else ()
-    return _table(
+    return markdown_table(
         columns, [[f"{row['size']}²", row["scheme"], *(_number(row[key], 2) for key in keys)] for row in rows]
     )
 
@@ -306,20 +306,19 @@ def text(data: dict) -> str:
     """The report, from the JSON file's content."""
     front = data["measured"][0]["schemes"][0]["front"]
     lines = [
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
+        LICENCE,
         "# Cho's adaptive shading, measured again",
         "",
-        fill(
+        paragraph(
             f"Written by `{data['command']}`. {data['mesh']} ({data['faces']} triangles), {data['views']} "
             f"views from above the horizon, ambient light and four point lights that stay where they are, "
             f"Blinn's exponent {data['exponent']:g} (the paper gives none). Thresholds as in the paper: "
             f"{DIFFERENCE} of the true intensity (highlight subdivision), {AREA:g} pixels "
             f"(regular). Counts are means a view; "
-            f"{front:.1f} triangles face the viewer.",
-            110,
+            f"{front:.1f} triangles face the viewer."
         ),
         "",
-        fill(
+        paragraph(
             "Highlighted: the test of H1 and H2 names the triangle for a light; with neighbours: those that "
             "share a vertex with one too. Subdivided: triangles of more than one part (whoever shares a "
             "split edge follows, so that there are no cracks), *into* is the number of their parts. Errors "
@@ -327,30 +326,27 @@ def text(data: dict) -> str:
             "*Largest* is over pixels in which both pictures have the same triangle of the mesh. *Other "
             "triangle*: pixels a view in which they have not, because a new vertex is rounded to 1/256 pixel "
             "and the surface that is nearest there, or to one side of an edge, is another one; the largest "
-            "difference there is that of two surfaces.",
-            110,
+            "difference there is that of two surfaces."
         ),
         "",
-        fill(
+        paragraph(
             "All schemes are drawn by one compiled scanline renderer with a z-buffer, in turns, on one core. "
             "*Drawing* is light and pixels; *all* adds the transformation, the test and the division, which "
-            "are compiled loops too.",
-            110,
+            "are compiled loops too."
         ),
     ]
     for part in data["measured"]:
         lines += ["", f"## {part['size']} x {part['size']}", ""]
-        lines += [f"{part['pixels']:.0f} pixels drawn a view.", "", *_measured_table(part)]
+        lines += [f"{part['pixels']:.0f} pixels drawn a view.", "", _measured_table(part)]
     if data["paper"]:
         lines += ["", "## Beside the paper's Tables 1 and 2", ""]
         lines += [
-            fill(
+            paragraph(
                 "As ratios, the paper's software renderer and its teapot of 896 triangles. Its final numbers "
-                "hold triangles that face away; here they are added, undivided.",
-                110,
+                "hold triangles that face away; here they are added, undivided."
             ),
             "",
-            *_paper_table(data["paper"]),
+            _paper_table(data["paper"]),
         ]
     if data["shares"]:
         lines += ["", *shares_text(data["shares"], data["paper"])]
@@ -373,8 +369,7 @@ def main(scene: str, sizes: tuple[int, ...], views: int, repeats: int, exponent:
     measure(mesh, 64, 1, 1, material)  # what is compiled at the first call is no part of the times
     measured = [measure(mesh, size, views, repeats, material) for size in sizes]
     data = {
-        "command": f"python -m scripts.experiments.cho.tables --mesh {Path(scene).name} --views {views}"
-        f" --exponent {exponent:g}",
+        "command": command_line("cho.tables", mesh=Path(scene).name, views=views, exponent=exponent),
         "mesh": Path(scene).name,
         "faces": len(mesh),
         "views": views,
@@ -383,14 +378,9 @@ def main(scene: str, sizes: tuple[int, ...], views: int, repeats: int, exponent:
         "paper": beside_paper(measured, len(mesh)),
         "shares": measured_shares(mesh, four_lights(mesh), directions(max(views // 3, 1)), exponent),
     }
-    output.with_suffix(".json").write_text(json.dumps(data, indent=1) + "\n")
-    output.write_text(text(data))
-    print(output.read_text())
+    write_report(output, text(data), data)
+    click.echo(text(data))
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

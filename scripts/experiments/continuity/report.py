@@ -11,10 +11,7 @@ Writes docs/reports/continuity.md, .json and .png.
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
-from textwrap import fill
 
 import click
 import numpy as np
@@ -22,7 +19,7 @@ import numpy as np
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Pixels
 from quadshade.engine import draw
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.image import visible
 from quadshade.shading import sample
 from quadshade.shading.reference import interpolated, phong
@@ -38,8 +35,9 @@ from scripts.experiments.continuity.mach_bands import (
     shades,
     view,
 )
+from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
 
-REPORT = Path(__file__).resolve().parents[3] / "docs" / "reports" / "continuity.md"
+REPORT = REPORTS / "continuity.md"
 STEPPINGS = ("centre", "fractional")
 
 
@@ -145,11 +143,6 @@ def plot(path: Path) -> None:
     pyplot.close(figure)
 
 
-def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A Markdown table."""
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in [header, ("---",) * len(header), *rows])
-
-
 def jump_table(rows: list[dict]) -> str:
     """RMS and largest jump, a row a scene and exponent, a column a shading."""
     found = {(row["scene"], row["exponent"], row["shading"]): row for row in rows}
@@ -158,7 +151,7 @@ def jump_table(rows: list[dict]) -> str:
         own = [found[scene, exponent, shading] for shading in SHADINGS]
         cells = (f"{row['rms']:.3f} / {row['largest']:.2f}" for row in own)
         lines.append((scene, f"{exponent:g}", *cells, str(own[SHADINGS.index("adaptive")]["triangles"])))
-    return table(("scene", "exponent", *SHADINGS, "triangles, adaptive"), lines)
+    return markdown_table(("scene", "exponent", *SHADINGS, "triangles, adaptive"), lines)
 
 
 def stepping_table(rows: list[dict]) -> str:
@@ -186,12 +179,7 @@ def stepping_table(rows: list[dict]) -> str:
         "flicker, RMS",
         "99 %",
     )
-    return table(header, lines)
-
-
-def paragraph(text: str) -> str:
-    """Text in lines of 110 columns."""
-    return fill(" ".join(text.split()), 110)
+    return markdown_table(header, lines)
 
 
 def span(values: list[float], form: str = ".1f") -> str:
@@ -273,10 +261,8 @@ Against the float quadratic the fractional loop loses {span(own_loss)} dB, again
 @click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
 def main(size: int, count: int, frame_size: int, degrees: float, output: Path) -> None:
     """Measure Mach bands, and what the paper's fractional-edge stepping costs."""
-    command = (
-        f"python -m scripts.experiments.continuity.report --size {size} --frames {count}"
-        f" --frame-size {frame_size}"
-        f" --degrees {degrees:g}"
+    command = command_line(
+        "continuity.report", size=size, frames=count, frame_size=frame_size, degrees=degrees
     )
     results = {
         "command": command,
@@ -284,13 +270,8 @@ def main(size: int, count: int, frame_size: int, degrees: float, output: Path) -
         "steppings": steppings(frame_size, count, degrees),
     }
     plot(output.with_suffix(".png"))
-    output.write_text(report(results))
-    output.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n")
+    write_report(output, report(results), results)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

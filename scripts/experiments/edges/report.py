@@ -9,8 +9,6 @@ of the package pyvista, which pip fetches at run time, or files given with --mes
 
 from __future__ import annotations
 
-import json
-import sys
 import tempfile
 from pathlib import Path
 
@@ -20,7 +18,7 @@ from scipy.ndimage import distance_transform_edt, map_coordinates, maximum_filte
 from skimage.morphology import skeletonize
 
 from quadshade.contract.formats import Formats
-from quadshade.errors import QuadshadeError
+from quadshade.files.markdown import markdown_table
 from quadshade.image import write_png
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.scene.mesh import Mesh
@@ -37,9 +35,9 @@ from scripts.experiments.edges.classify import (
     visible_edges,
 )
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
+from scripts.experiments.report_writer import LICENCE, REPORTS, ROOT, command_line, run_command, write_report
 
-ROOT = Path(__file__).resolve().parents[3]
-REPORT = ROOT / "docs" / "reports" / "edges.md"
+REPORT = REPORTS / "edges.md"
 GENERATED = ("sphere:690", "torus:1152", "cube:2")
 DRAWN = 0.5
 """A pixel counts as an edge from this strength on."""
@@ -128,27 +126,38 @@ def styles_picture() -> np.ndarray:
     return np.hstack([illustration(mesh, style, 300) for style in ("gooch", "cartoon", "hatch")])
 
 
-def table(scenes: list[dict]) -> list[str]:
+HEADER = (
+    "mesh",
+    "variant",
+    "precision",
+    "recall",
+    "profile: precision",
+    "recall",
+    "inner: recall of creases",
+    "pixels of the mesh's edges",
+    "of the map",
+    "profile: thickness",
+    "roughness",
+)
+SHARES = ("precision", "recall", "profile_precision", "profile_recall", "inner_recall_of_creases")
+
+
+def table(scenes: list[dict]) -> str:
     """The report's table."""
-    columns = ("precision", "recall", "profile_precision", "profile_recall", "inner_recall_of_creases")
-    head = (
-        "mesh",
-        "variant",
-        "precision",
-        "recall",
-        "profile: precision",
-        "recall",
-        "inner: recall of creases",
-    )
-    head += ("pixels of the mesh's edges", "of the map", "profile: thickness", "roughness")
-    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
-    for scene in scenes:
-        for row in scene["rows"]:
-            cells = [scene["mesh"], row["variant"], *(f"{row[name]:.3f}" for name in columns)]
-            cells += [str(row["truth_pixels"]), str(row["map_pixels"])]
-            cells += [f"{row['profile_thickness']:.2f}", f"{row['profile_roughness']:.3f}"]
-            lines.append("| " + " | ".join(cells) + " |")
-    return lines
+    rows = [
+        (
+            scene["mesh"],
+            row["variant"],
+            *(f"{row[name]:.3f}" for name in SHARES),
+            row["truth_pixels"],
+            row["map_pixels"],
+            f"{row['profile_thickness']:.2f}",
+            f"{row['profile_roughness']:.3f}",
+        )
+        for scene in scenes
+        for row in scene["rows"]
+    ]
+    return markdown_table(HEADER, rows)
 
 
 def claim(scenes: list[dict]) -> str:
@@ -165,14 +174,14 @@ def claim(scenes: list[dict]) -> str:
 def text(scenes: list[dict], command: str, size: int, missing: bool) -> str:
     """The report."""
     lines = [
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
+        LICENCE,
         "# Edge maps against the mesh's edges",
         "",
         f"Written by `{command}` (`make edges`):",
         f"{size}x{size}, seen from {VIEW[0]:g}, {VIEW[1]:g}, {VIEW[2]:g}.",
         "",
         "Truth: silhouette, border and crease edges of the mesh (a dihedral angle from",
-        f"{CREASE_DEGREES:g} degrees on), projected, where they are seen (`classify.py` of this experiment).",
+        f"{CREASE_DEGREES:g} degrees on), projected, where they are seen (`{classify_edges.__module__}`).",
         f"A pixel of the map is an edge from a strength of {DRAWN:g} on; both count as the same up",
         f"to {TOLERANCE:g} pixels. *Precision* is the share of the map's pixels that lie at an edge of the",
         "mesh, *recall* the share of the mesh's that the map found. *Profile* is the depth's map",
@@ -180,7 +189,7 @@ def text(scenes: list[dict], command: str, size: int, missing: bool) -> str:
         "of their own height, whatever the threshold; *roughness* how much their strength changes",
         "from pixel to pixel along an edge that is seen.",
         "",
-        *table(scenes),
+        table(scenes),
         "",
         claim(scenes),
         "",
@@ -199,7 +208,9 @@ def text(scenes: list[dict], command: str, size: int, missing: bool) -> str:
     "--size", default=400, show_default=True, type=click.IntRange(16, 4096), help="Pixels each way."
 )
 @click.option("--mesh", "files", multiple=True, type=click.Path(exists=True, path_type=Path))
-def main(size: int, files: tuple[Path, ...]) -> None:
+@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+def main(size: int, files: tuple[Path, ...], output: Path) -> None:
+    output.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         real = list(files) or real_meshes(Path(folder))
         scenes, pictures = [], []
@@ -211,22 +222,15 @@ def main(size: int, files: tuple[Path, ...]) -> None:
         for style, name in (("gooch", "nut.ply"), ("cartoon", "ant.ply")):
             mesh = next((load_scene(str(path), CREASE_DEGREES) for path in real if path.name == name), None)
             picture = illustration(mesh or load_scene("torus:1152"), style, size)
-            write_png(REPORT.with_name(f"edges_{style}.png"), picture)
-    command = f"python -m scripts.experiments.edges.report --size {size}" + "".join(
-        f" --mesh {path.name}" for path in files
-    )
-    REPORT.with_suffix(".json").write_text(
-        json.dumps({"command": command, "scenes": scenes}, indent=1) + "\n"
-    )
-    write_png(REPORT.with_suffix(".png"), np.vstack(pictures))
-    write_png(ROOT / "docs" / "images" / "styles.png", styles_picture())
-    REPORT.write_text(text(scenes, command, size, not real))
-    print(REPORT.read_text())
+            write_png(output.with_name(f"{output.stem}_{style}.png"), picture)
+    command = command_line("edges.report", size=size, mesh=[path.name for path in files])
+    write_png(output.with_suffix(".png"), np.vstack(pictures))
+    if output == REPORT:
+        write_png(ROOT / "docs" / "images" / "styles.png", styles_picture())
+    written = text(scenes, command, size, not real)
+    write_report(output, written, {"command": command, "scenes": scenes})
+    click.echo(written)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as problem:
-        print(f"quadshade: error: {problem}", file=sys.stderr)
-        sys.exit(2)
+    run_command(main, REPORT)

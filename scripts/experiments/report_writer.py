@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all experiments do alike: report and numbers, the command that wrote them, errors in one line."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
+
+ROOT = Path(__file__).resolve().parents[2]
+REPORTS = ROOT / "docs" / "reports"
+LICENCE = "<!-- SPDX-License-Identifier: Apache-2.0 -->"
+COLUMNS = 110
+
+
+def command_line(module: str, **options: object) -> str:
+    """
+    The command that repeats a run.
+
+    Parameters
+    ----------
+    module : str
+      Below ``scripts.experiments``.
+    options : object
+      By name, an underscore for a hyphen; a float without needless digits, a list as one option an entry.
+
+    Returns
+    -------
+    str
+    """
+    words = [f"python -m scripts.experiments.{module}"]
+    for name, value in options.items():
+        for entry in value if isinstance(value, list | tuple) else [value]:
+            shown = f"{entry:g}" if isinstance(entry, float) else str(entry)
+            words += [f"--{name.replace('_', '-')}", shown]
+    return " ".join(words)
+
+
+def paragraph(text: str) -> str:
+    """Text in lines of 110 columns."""
+    return fill(" ".join(text.split()), COLUMNS)
+
+
+def rows_as_json(content: Any, indent: str = "") -> str:
+    """JSON in which a list or an object that holds only plain values stands on one line."""
+    entries = content.values() if isinstance(content, dict) else content if isinstance(content, list) else ()
+    if not any(isinstance(entry, dict | list) for entry in entries):
+        return json.dumps(content)
+    further = indent + " "
+    inner = [rows_as_json(entry, further) for entry in entries]
+    if isinstance(content, dict):
+        inner = [f"{json.dumps(key)}: {text}" for key, text in zip(content, inner, strict=True)]
+    opening, closing = "{}" if isinstance(content, dict) else "[]"
+    return f"{opening}\n{further}" + f",\n{further}".join(inner) + f"\n{indent}{closing}"
+
+
+def write_report(report: Path, text: str, numbers: Any = None) -> None:
+    """
+    Write a report, and its numbers as JSON beside it, each whole or not at all.
+
+    Parameters
+    ----------
+    report : Path
+      The Markdown file.
+    text : str
+    numbers : optional
+      What JSON can hold; for an experiment whose report holds all of them, none.
+
+    Raises
+    ------
+    QuadshadeError
+      A file cannot be written.
+    """
+    report.parent.mkdir(parents=True, exist_ok=True)
+    if numbers is not None:
+        write_text(report.with_suffix(".json"), rows_as_json(numbers) + "\n")
+    write_text(report, text)
+
+
+def run_command(experiment: Callable[[], object], report: Path) -> None:
+    """Run the command of a report; bad input and missing tools are one line and exit code 2."""
+    try:
+        experiment()
+    except (QuadshadeError, OSError) as problem:
+        print(f"{report.stem}: error: {problem}", file=sys.stderr)
+        sys.exit(2)
