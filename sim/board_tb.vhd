@@ -36,7 +36,11 @@ entity board_tb is
     screen_width : positive := 16;
     screen_height : positive := 12;
     with_edge_map : natural := 0;
-    single_port_memory : natural := 0
+    single_port_memory : natural := 0;
+    with_video : natural := 0;
+    most_counter_bits : positive := 32;
+    single_buffer : natural := 0;
+    crc_cycles : positive := 1
   );
 end entity;
 
@@ -74,7 +78,9 @@ begin
       span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
       shade_guard_bits => shade_guard_bits, clk_frequency_hz => clk_frequency_hz, baud => baud,
       fifo_words => fifo_words, screen_width => screen_width, screen_height => screen_height,
-      with_edge_map => with_edge_map, single_port_memory => single_port_memory
+      with_edge_map => with_edge_map, single_port_memory => single_port_memory,
+      with_video => with_video, most_counter_bits => most_counter_bits, single_buffer => single_buffer,
+      crc_cycles => crc_cycles
     )
     port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);
 

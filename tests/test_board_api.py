@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +18,10 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.board import Board, BoardSettings
+from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import FEATURES
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.image import read_picture, resolve
@@ -40,11 +43,11 @@ def run(*arguments: str) -> tuple[int, str]:
 
 
 @contextmanager
-def board_program(*arguments: str) -> Iterator[tuple[subprocess.Popen, str]]:
+def board_program(*arguments: str, screen: str = "48x32") -> Iterator[tuple[subprocess.Popen, str]]:
     """``quadshade board`` as a process, and the port that it says."""
     command = [sys.executable, "-c", "from quadshade.cli.main import main; main()", "board"]
     process = subprocess.Popen(
-        [*command, "--engine", "model", "--screen", "48x32", *arguments], stdout=subprocess.PIPE, text=True
+        [*command, "--engine", "model", "--screen", screen, *arguments], stdout=subprocess.PIPE, text=True
     )
     try:
         yield process, re.search(r"--port (\S+)", process.stdout.readline())[1]
@@ -200,6 +203,62 @@ def test_tcp(tmp_path: Path) -> None:
         assert code == 2
 
 
+BOARD_FILES = {
+    path.stem: tomllib.loads(path.read_text()) for path in (ROOT / "synth" / "boards").glob("*.toml")
+}
+REAL_BOARDS = sorted(name for name, file in BOARD_FILES.items() if "top" in file)
+
+
+@pytest.mark.parametrize("name", REAL_BOARDS)
+def test_every_real_board_is_simulated(name: str, tmp_path: Path) -> None:
+    """``quadshade board --board NAME`` has the generics of the board's file, and draws."""
+    generics = BOARD_FILES[name]["generics"]
+    link = tmp_path / "board.tty"
+    size = f"{generics['screen_width']}x{generics['screen_height']}"
+    with (
+        board_program("--pty", str(link), "--board", name, screen=size),
+        Board(str(link), notice=str) as board,
+    ):
+        known = {key: value for key, value in generics.items() if key in board.identity}
+        known["clk_frequency_hz"] = BoardSettings().clk_frequency_hz
+        assert known == {key: board.identity[key] for key in known}
+        assert bool(board.identity["features"] >> FEATURES.index("display") & 1) == bool(
+            generics.get("with_video")
+        )
+        board.draw(seen("sphere:2x3", board.host_formats, (board.width, board.height)))
+        # read checks the CRC of the golden model's picture.
+        assert board.read().any()
+
+
+@pytest.mark.parametrize(("name", "engine"), [("icebreaker", "verilator"), ("icebreaker", "ghdl")])
+def test_a_real_board_is_simulated_from_its_netlist(name: str, engine: str) -> None:
+    settings = board_settings(name, "8x6", ())
+    assert settings.generics()["crc_cycles"] == settings.generics()["most_counter_bits"] == 8
+    with Board("sim", settings=settings, engine=engine, notice=str) as board:
+        board.draw(seen("sphere:2x3", board.host_formats, (8, 6)))
+        assert board.read().any()
+        assert board.status()["bad_crc"] == board.status()["overruns"] == 0
+
+
+def test_a_monitor_is_simulated_from_the_netlist() -> None:
+    """With ``with_video``, which the ULX3S boards have, beside the smallest core."""
+    small = ("num_channels=1", "with_depth=0", "coord_bits=9", "word_width=20", "frac_bits=10")
+    settings = board_settings(None, "160x120", (*small, "with_video=1"))
+    with Board("sim", settings=settings, engine="verilator", notice=str) as board:
+        assert board.identity["features"] >> FEATURES.index("display") & 1
+        board.draw(seen("sphere:2x3", board.host_formats, (160, 120)))
+        assert board.read().any()
+
+
+def test_counters_of_a_small_board_wrap() -> None:
+    settings = board_settings("icebreaker", "8x6", ("most_counter_bits=2",))
+    with Board("sim", settings=settings, engine="model", notice=str) as board:
+        before = board.status()["frames"]
+        for _ in range(5):
+            board.clear()
+        assert board.status()["frames"] == (before + 5) % 4
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -208,7 +267,12 @@ def test_tcp(tmp_path: Path) -> None:
         (("render", "sphere:168", "-o", "a.png", "--port", "sim", "--shading", "phong"), "phong"),
         (("render", "cube:1", "-o", "a.png", "--port", "sim", "--gbuffer", "a.npz"), "which triangle"),
         (("board", "--generic", "fifo_words=100"), "power of two"),
-        (("board", "--board", "moon"), "no board 'moon'"),
+        (("board", "--board", "moon"), "unknown board 'moon'; the boards are icebreaker, ulx3s"),
+        (("board", "--board", "ulx3s-45f"), "no bitstream is built for ulx3s-45f: its file has no top"),
+        (("board", "--board", "ulx3s-12f", "--screen", "48x32"), "give --generic with_video=0, or 1 or 3"),
+        (("board", "--generic", "crc_cycles=3"), "crc_cycles is 3; give 1 or 2 or 4 or 8"),
+        (("board", "--generic", "most_counter_bits=0"), "most_counter_bits is 0; give 1 to 32"),
+        (("board", "--generic", "moon=1"), "a board has no generic 'moon'"),
         (("board", "--pty", "a", "--tcp", "1"), "give one of them"),
         (("replay", "missing.qs", "--port", "sim"), "missing.qs"),
         (("info", "--port", "sim", "--timeout", "nan"), "not a number of seconds"),

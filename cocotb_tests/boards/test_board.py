@@ -71,6 +71,7 @@ class Config:
             self.fifo_words,
             bool(self.with_edge_map),
             bool(self.with_video),
+            self.most_counter_bits,
         )
 
     @property

@@ -83,6 +83,8 @@ class ModelEngine(Engine):
             settings.baud,
             settings.fifo_words,
             bool(settings.with_edge_map),
+            bool(settings.with_video),
+            settings.most_counter_bits,
         )
         self._baud = settings.baud
         self._answers = bytearray()

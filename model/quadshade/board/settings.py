@@ -3,16 +3,27 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 
 from quadshade.contract.formats import Formats, parse_generics
+from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
+from quadshade.golden.screen.scan_out import Timing
 from quadshade.scene.key_values import parse_size
 
 LEAST_CLOCKS = 4
 """Fewest clocks of a bit on the line."""
+
+ALLOWED: dict[str, Collection[int]] = {
+    "with_edge_map": (0, 1),
+    "single_port_memory": (0, 1),
+    "with_video": (0, 1),
+    "single_buffer": (0, 1),
+    "most_counter_bits": range(1, 33),
+    "crc_cycles": (1, 2, 4, 8),
+}
+"""Values of the board's own generics, those of sizes and rates apart."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +40,12 @@ class BoardSettings:
       clocks, and so little time.
     fifo_words : int
       Of the command FIFO: a power of two, at most 32768.
-    with_edge_map, single_port_memory : int
-      0 or 1.
+    with_edge_map, single_port_memory, with_video, single_buffer : int
+      0 or 1. ``with_video`` makes words for a monitor, which a simulated board shows to nobody.
+    most_counter_bits : int
+      STATUS's counters wrap at that many bits, 1 to 32.
+    crc_cycles : int
+      Clocks that a byte of a CRC takes: a divisor of 8.
 
     Raises
     ------
@@ -46,6 +61,10 @@ class BoardSettings:
     fifo_words: int = 1024
     with_edge_map: int = 0
     single_port_memory: int = 0
+    with_video: int = 0
+    most_counter_bits: int = 32
+    single_buffer: int = 0
+    crc_cycles: int = 1
 
     def __post_init__(self) -> None:
         limit = 1 << self.formats.coord_bits
@@ -63,9 +82,22 @@ class BoardSettings:
                 f"{self.baud} baud at {self.clk_frequency_hz} Hz",
                 f"give at most a quarter of the clock: {self.clk_frequency_hz // LEAST_CLOCKS}",
             )
-        for name in ("with_edge_map", "single_port_memory"):
-            if getattr(self, name) not in (0, 1):
-                raise QuadshadeError(f"{name} is {getattr(self, name)}", "give 0 or 1")
+        for name, allowed in ALLOWED.items():
+            if getattr(self, name) not in allowed:
+                raise QuadshadeError(f"{name} is {getattr(self, name)}", f"give {_choice(allowed)}")
+        if self.with_video:
+            self._check_video()
+
+    def _check_video(self) -> None:
+        """What ``scan_out`` asserts: whole squares fill the monitor."""
+        monitor = Timing()
+        scale, rest = divmod(monitor.columns, self.screen_width)
+        if rest or scale * self.screen_height != monitor.lines or self.formats.emitted_channels not in (1, 3):
+            raise QuadshadeError(
+                f"with_video=1 with {self.screen_width}x{self.screen_height} pixels of"
+                f" {self.formats.emitted_channels} channels on {monitor.columns}x{monitor.lines}",
+                "give --generic with_video=0, or 1 or 3 channels and a screen that fills it as 320x240 does",
+            )
 
     def generics(self) -> dict[str, int]:
         """Every generic of the entity ``board`` by its VHDL name."""
@@ -90,6 +122,13 @@ class BoardSettings:
         return replace(self, formats=self.formats.with_generics(core), **own)
 
 
+def _choice(allowed: Collection[int]) -> str:
+    """Values as a user reads them."""
+    if isinstance(allowed, range):
+        return f"{allowed[0]} to {allowed[-1]}"
+    return " or ".join(map(str, allowed))
+
+
 def own_names() -> list[str]:
     """Generics that the core does not have."""
     return [one.name for one in fields(BoardSettings) if one.name != "formats"]
@@ -106,24 +145,26 @@ def board_settings(
     QuadshadeError
       An unknown board, a wrong size, or generics that no board has.
     """
-    settings = BoardSettings()
-    if preset is not None:
-        settings = settings.with_generics(_preset(preset))
+    given: dict[str, int] = {} if preset is None else _preset(preset)
     if shade:
-        settings = settings.with_generics({"with_shade": 1, "num_channels": 2, "num_specular": 1})
+        given |= {"with_shade": 1, "num_channels": 2, "num_specular": 1}
     if screen is not None:
-        width, height = parse_size(screen)
-        settings = settings.with_generics({"screen_width": width, "screen_height": height})
-    return settings.with_generics(parse_generics(generics))
+        given["screen_width"], given["screen_height"] = parse_size(screen)
+    # All at once: a size may be one that only another generic allows.
+    return BoardSettings().with_generics(given | parse_generics(generics))
 
 
 def _preset(name: str) -> dict[str, int]:
-    """Generics of a real board, but for its clock."""
-    from quadshade.engine.sources import repository_root
+    """
+    Generics of a real board, but for its clock: a simulated one is slow on purpose.
 
-    folder = repository_root() / "synth" / "boards"
-    known = sorted(path.stem for path in folder.glob("*.toml"))
-    if name not in known:
-        raise QuadshadeError(f"there is no board {name!r}", f"the boards are {', '.join(known)}")
-    generics = tomllib.loads((folder / f"{name}.toml").read_text()).get("generics", {})
+    Raises
+    ------
+    QuadshadeError
+      There is no such board, or no bitstream is built for it.
+    """
+    # Not for everyone who wants a board: it brings all of synthesis.
+    from quadshade.synthesis.bitstream import read_board
+
+    generics = read_board(name, repository_root()).generics
     return {key: value for key, value in generics.items() if key not in ("clk_frequency_hz", "baud")}

@@ -103,6 +103,8 @@ class BoardModel(CommandDecoder):
       Whether edges can be read.
     with_video : bool
       Whether it has words for a monitor: HELLO says so, nothing else is other.
+    most_counter_bits : int
+      STATUS's counters have no more bits.
     """
 
     def __init__(
@@ -115,6 +117,7 @@ class BoardModel(CommandDecoder):
         words: int = 1024,
         with_edge_map: bool = False,
         with_video: bool = False,
+        most_counter_bits: int = 32,
     ) -> None:
         formats = formats or Formats()
         screen = DrawnScreen(width, height, formats, with_edge_map)
@@ -139,4 +142,4 @@ class BoardModel(CommandDecoder):
             "depth_bytes": screen.depth_bytes,
             **formats.generics(),
         }
-        super().__init__(identity, screen)
+        super().__init__(identity, screen, most_counter_bits)

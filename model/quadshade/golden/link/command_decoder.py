@@ -51,6 +51,8 @@ class CommandDecoder:
       Every field of ``protocol.IDENTITY``.
     drawing : Drawing
       What commands act on.
+    most_counter_bits : int
+      STATUS's counters have no more bits.
 
     Attributes
     ----------
@@ -62,8 +64,9 @@ class CommandDecoder:
       What STATUS counts, but for what ``drawing`` does.
     """
 
-    def __init__(self, identity: Mapping[str, int], drawing: Drawing) -> None:
+    def __init__(self, identity: Mapping[str, int], drawing: Drawing, most_counter_bits: int = 32) -> None:
         self.identity, self.drawing = identity, drawing
+        self.most_counter_bits = most_counter_bits
         self.session = 0
         self.stalled = False
         self.phase_step = identity["default_phase_step"]
@@ -155,5 +158,6 @@ class CommandDecoder:
         elif opcode is Opcode.HELLO:
             words = [self.session, *identity_words(self.identity)]
         else:
-            words = [self.counts[name] % (1 << bits) for name, bits, _ in COUNTERS]
+            most = self.most_counter_bits
+            words = [self.counts[name] % (1 << min(bits, most)) for name, bits, _ in COUNTERS]
         return self._answer(opcode | ANSWER_BIT, number, words)
