@@ -170,17 +170,22 @@ class TcpLine(Line):
 
     def __init__(self, port: int = 0, host: str = LOCALHOST) -> None:
         super().__init__()
-        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            self._server.bind((host, port))
-        except (OSError, OverflowError) as problem:
-            self._server.close()
-            raise QuadshadeError(f"cannot listen on port {port}: {problem}", "give another --tcp") from None
-        self._server.listen()
+            # Of a name with several addresses the first one, as with every server that takes one address.
+            family, _, _, _, address = socket.getaddrinfo(
+                host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+            )[0]
+            # With SO_REUSEADDR.
+            self._server = socket.create_server(
+                address[:2] if family == socket.AF_INET else address, family=family
+            )
+        except (OSError, OverflowError, UnicodeError) as problem:
+            raise QuadshadeError(
+                f"cannot listen on {_address(host, port)}: {problem}", "give another --tcp"
+            ) from None
         self._server.setblocking(False)
         self._client: socket.socket | None = None
-        self.name = f"socket://{host}:{self._server.getsockname()[1]}"
+        self.name = f"socket://{_address(host, self._server.getsockname()[1])}"
 
     def readers(self) -> list[int]:
         return [one.fileno() for one in (self._server, self._client) if one is not None]
@@ -232,16 +237,27 @@ class TcpLine(Line):
         self._server.close()
 
 
+def _address(host: str, port: int) -> str:
+    """As a URL has it: an IPv6 address in brackets."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
 def tcp_address(text: str) -> tuple[str, int]:
     """
-    Address and port of ``PORT`` or ``ADDRESS:PORT``.
+    Address and port of ``PORT``, ``ADDRESS:PORT`` or ``[IPV6]:PORT``.
 
     Raises
     ------
     QuadshadeError
-      The port is no number up to 65535.
+      The port is no number up to 65535, or an IPv6 address has no brackets.
     """
     host, colon, port = text.rpartition(":")
-    if not port.isdecimal() or int(port) > 65535 or (colon and not host):
-        raise QuadshadeError(f"the TCP port is {text!r}", "give a number up to 65535, or ADDRESS:PORT")
+    is_bracketed = host.startswith("[") and host.endswith("]")
+    host = host[1:-1] if is_bracketed else host
+    if not port.isascii() or not port.isdecimal() or int(port) > 65535 or (colon and not host):
+        raise QuadshadeError(
+            f"the TCP port is {text!r}", "give a number up to 65535, ADDRESS:PORT or [IPV6-ADDRESS]:PORT"
+        )
+    if (":" in host) != is_bracketed:
+        raise QuadshadeError(f"the address is {text!r}", "write an IPv6 address in brackets, as [::1]:7777")
     return host or LOCALHOST, int(port)

@@ -23,7 +23,11 @@ ENGINES = ("verilator", "ghdl", "model")
     "[default: verilator where it and a C++ compiler are installed, else model]",
 )
 @click.option("--pty", type=click.Path(path_type=Path), help="Make this a link to the pseudo-terminal.")
-@click.option("--tcp", metavar="[ADDRESS:]PORT", help="Listen there instead, for socket://localhost:PORT.")
+@click.option(
+    "--tcp",
+    metavar="[ADDRESS:]PORT",
+    help="Listen there instead, for socket://localhost:PORT; also [::1]:PORT.",
+)
 @click.option("--screen", metavar="WxH", help="Pixels.  [default: 160x120, or the board's]")
 @click.option(
     "--board",

@@ -52,6 +52,14 @@ NO_PERMISSION = (
 BUSY = "close the other program; `fuser` names it"
 REFUSED = "start one there: `quadshade board --tcp PORT`"
 
+LOCAL_SCHEMES = ("", "spy", "alt", "hwgrep")
+"""Schemes of URLs behind which pyserial opens a port of this machine, for one program at a time."""
+
+NETWORK_SCHEMES = ("socket", "rfc2217")
+RFC2217 = "rfc2217"
+POLL_SECONDS = 0.001
+"""So often an RFC 2217 server's bytes are looked for."""
+
 PROBLEMS = {
     errno.ENOENT: ("there is no port {port}", "is the board plugged in?"),
     errno.ENODEV: ("there is no port {port}", "is the board plugged in?"),
@@ -91,17 +99,27 @@ def _error_number(problem: BaseException | None) -> int | None:
 def _open_error(port: str, problem: Exception) -> LinkError:
     """What is wrong with a port, with a hint."""
     number = _error_number(problem)
+    if number == errno.ECONNREFUSED and _scheme(port) == RFC2217:
+        return LinkError(f"no server listens on {port}", "start one on the machine that has the board")
     if number in PROBLEMS:
         message, hint = PROBLEMS[number]
         return LinkError(message.format(port=port), hint)
-    if isinstance(problem, ValueError):
+    if str(problem).startswith("invalid URL, protocol"):
         return LinkError(f"{port} is no port and no URL that pyserial knows", "give a name as /dev/ttyUSB0")
-    return LinkError(f"cannot open {port}: {problem}", "is it the right port?")
+    reason = str(problem).removeprefix(f"Could not open port {port}: ") or type(problem).__name__
+    return LinkError(f"cannot open {port}: {reason}", "is it the right port?")
+
+
+def _scheme(port: str) -> str:
+    """The scheme of a URL in small letters; of a port's name nothing."""
+    scheme, colon, _ = port.partition("://")
+    return scheme.lower() if colon else ""
 
 
 def _check_address(port: str) -> None:
-    """Refuse a socket's URL without host or port, of which pyserial speaks in riddles."""
-    if not port.startswith("socket://"):
+    """Refuse a network's URL without host or port, of which pyserial speaks in riddles."""
+    scheme = _scheme(port)
+    if scheme not in NETWORK_SCHEMES:
         return
     try:
         parts = urlsplit(port)
@@ -109,7 +127,7 @@ def _check_address(port: str) -> None:
     except ValueError:
         is_whole = False
     if not is_whole:
-        raise LinkError(f"{port} is no address", "write socket://HOST:PORT, the port from 1 to 65535")
+        raise LinkError(f"{port} is no address", f"write {scheme}://HOST:PORT, the port from 1 to 65535")
 
 
 class SerialTransport:
@@ -119,7 +137,8 @@ class SerialTransport:
     Parameters
     ----------
     port : str or serial object
-      A port's name, a pyserial URL (``socket://host:port``, ``loop://``), or an object that is open already.
+      A port's name, a pyserial URL (``socket://host:port``, ``rfc2217://host:port``, ``spy://port``, ``alt://``,
+      ``hwgrep://regexp``, ``loop://``), or an object that is open already.
     baud : int
 
     Raises
@@ -135,17 +154,20 @@ class SerialTransport:
     @property
     def fixed_rate(self) -> bool:
         """True for a socket: nothing tells the other end of a rate."""
-        return self.name.startswith("socket://")
+        return _scheme(self.name) == "socket"
 
     @staticmethod
     def _open(port: str, baud: int) -> Any:
         _check_address(port)
-        options: dict[str, Any] = {"baudrate": baud, "timeout": 0, "write_timeout": WRITE_SECONDS}
-        if "://" not in port:
+        options: dict[str, Any] = {"baudrate": baud, "timeout": 0}
+        if _scheme(port) != RFC2217:
+            # pyserial has no time-out for a write there.
+            options["write_timeout"] = WRITE_SECONDS
+        if _scheme(port) in LOCAL_SCHEMES:
             options["exclusive"] = True
         try:
             opened = serial.serial_for_url(port, **options)
-        except (serial.SerialException, ValueError, OSError) as problem:
+        except Exception as problem:  # noqa: BLE001 - pyserial's URLs raise KeyError, re.error, TypeError, ...
             raise _open_error(port, problem) from None
         try:
             opened.set_low_latency_mode(True)
@@ -178,12 +200,23 @@ class SerialTransport:
 
     def read(self, seconds: float) -> bytes:
         def action() -> bytes:
+            if _scheme(self.name) == RFC2217:
+                return self._poll(seconds)
             self._serial.timeout = seconds
             first = self._serial.read(1)
             self._serial.timeout = 0
             return first + (self._serial.read(READ_BYTES) if first else b"")
 
         return self._do(action)
+
+    def _poll(self, seconds: float) -> bytes:
+        """As :meth:`read`, without another time-out: each would set the port anew, over the network."""
+        end = time.monotonic() + seconds
+        while True:
+            data = b"".join(iter(lambda: self._serial.read(1), b""))
+            if data or time.monotonic() >= end:
+                return data
+            time.sleep(POLL_SECONDS)
 
     def set_baud(self, baud: int) -> None:
         def action() -> None:
@@ -195,7 +228,10 @@ class SerialTransport:
     def send_break(self) -> None:
         def action() -> None:
             self._serial.send_break(BREAK_SECONDS)
-            if os.path.realpath(self.name).startswith("/dev/pts/"):
+            # Behind a URL as spy:// it is the port's name that says where it leads.
+            if os.path.realpath(str(getattr(self._serial, "port", None) or self.name)).startswith(
+                "/dev/pts/"
+            ):
                 rate, self._serial.baudrate = self._serial.baudrate, self._serial.baudrate // 4
                 self._serial.write(b"\0")
                 time.sleep(SLOW_SECONDS)
