@@ -20,7 +20,8 @@ LAYERS = (
     {"files"},
     {"golden", "image", "link", "scene", "setup"},
     {"engine", "packing", "shading"},
-    {"adapt", "style", "synthesis", "board"},
+    {"adapt", "style", "synthesis"},
+    {"board"},
     {"rendering", "trade"},
     {"cli"},
 )

@@ -137,8 +137,8 @@ class SerialTransport:
     Parameters
     ----------
     port : str or serial object
-      A port's name, a pyserial URL (``socket://host:port``, ``rfc2217://host:port``, ``spy://port``, ``alt://``,
-      ``hwgrep://regexp``, ``loop://``), or an object that is open already.
+      A port's name, a pyserial URL (``socket://host:port``, ``rfc2217://host:port``, ``spy://port``,
+      ``alt://port``, ``hwgrep://regexp``, ``loop://``), or an object that is open already.
     baud : int
 
     Raises
@@ -167,7 +167,7 @@ class SerialTransport:
             options["exclusive"] = True
         try:
             opened = serial.serial_for_url(port, **options)
-        except Exception as problem:  # noqa: BLE001 - pyserial's URLs raise KeyError, re.error, TypeError, ...
+        except Exception as problem:  # noqa: BLE001 - its URLs raise KeyError, re.error, TypeError, ...
             raise _open_error(port, problem) from None
         try:
             opened.set_low_latency_mode(True)
