@@ -20,7 +20,7 @@ from cocotb_tools.runner import get_runner
 
 from cocotb_tests.support.bench import PERIOD_NS
 from cocotb_tests.support.simulation import module_of
-from quadshade.engine.ghdl import rtl_files
+from quadshade.engine.sources import rtl_files
 from quadshade.errors import QuadshadeError
 from scripts.docs.entity import ROOT, Unit
 
