@@ -119,9 +119,14 @@ formal: setup ## prove units and core over their netlists; writes docs/reports/f
 	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
 
 .PHONY: readme
-readme: setup ## run the demo and write the README's picture and tables
+readme: setup ## run the demo and write the first picture and the tables of README and pages
 	@$(VENV) -m scripts.demo --publish
 	@$(VENV) -m scripts.readme
+
+.PHONY: pictures
+pictures: export QUADSHADE_WRITE_PICTURES := 1
+pictures: setup ## run every command of README and pages, and write the pictures that they show
+	@$(PYTEST) tests/test_documents.py
 
 .PHONY: rtl
 rtl: setup ## write rtl/generated/ from their Python sources
@@ -166,7 +171,7 @@ synth: setup ## clock and area for a DEVICE=ecp5-25k-6 or BOARD=ulx3s-85f; SEEDS
 .PHONY: limits
 limits: setup ## the core beside a lone accumulator on every device of the table; writes synth/resources.json
 	@JOBS=$(JOBS) $(VENV) -m scripts.synth limits --seeds $(SEEDS)
-	@$(VENV) -m scripts.synth readme
+	@$(VENV) -m scripts.readme
 
 .PHONY: screen
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the tables of README.md from what the commands measured; ``--check`` only compares."""
+"""Write the tables of README and pages from what the commands measured; ``--check`` only compares."""
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+
+from quadshade.contract.formats import Formats
+from quadshade.synthesis import table
 
 ROOT = Path(__file__).resolve().parents[1]
 REPORTS = ROOT / "docs" / "reports"
+STREAM_WIDTHS = (32, 64, 128)
+SUMMARY_DEVICE = "ecp5-25k-6"
 
 
-def replace_block(text: str, name: str, block: str) -> str:
+def replace_block(text: str, name: str, block: str, page: str) -> str:
     """
     Replace what stands between ``<!-- name begin -->`` and ``<!-- name end -->``.
 
@@ -24,37 +30,73 @@ def replace_block(text: str, name: str, block: str) -> str:
     head, found, rest = text.partition(begin)
     _, closed, tail = rest.partition(end)
     if not (found and closed):
-        raise ValueError(f"README.md has no block {name}")
+        raise ValueError(f"{page} has no block {name}")
     return f"{head}{begin}{block}{end}{tail}"
 
 
-def markdown(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = [header, ("---",) * len(header), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def throughput() -> str:
-    """Clocks per covered pixel: random triangles, linear and quadratic side by side with the peer."""
+    """Clocks per covered pixel: random triangles, a row a size, linear and quadratic by the stream's width."""
     rows = json.loads((REPORTS / "throughput.json").read_text())["rows"]
     random = [row for row in rows if row["case"] == "random"]
-    by_order = {order: [row for row in random if row["order"] == order] for order in ("linear", "quadratic")}
-    table = [
-        (
-            f"{linear['mean_pixels']:.1f} / {quadratic['mean_pixels']:.1f}",
-            f"{linear['clocks_per_pixel']:.4f}",
-            f"{quadratic['clocks_per_pixel']:.4f}",
-            f"{linear['peer']}",
+    orders = ("linear", "quadratic")
+    head = [f"{order}, {width} bits" for order in orders for width in STREAM_WIDTHS]
+
+    def column(order: str, width: int) -> list[dict]:
+        return [row for row in random if (row["order"], row["stream_width"]) == (order, width)]
+
+    columns = [column(order, width) for order in orders for width in STREAM_WIDTHS]
+    lines = []
+    for sizes in zip(*columns, strict=True):
+        means = f"{sizes[0]['mean_pixels']:.1f} / {sizes[-1]['mean_pixels']:.1f}"
+        clocks = [f"{row['clocks_per_pixel']:.4f}" for row in sizes]
+        lines.append((means, *clocks, f"{sizes[0]['peer']}"))
+    return markdown(("mean pixels", *head, "RasterIX, linear"), lines)
+
+
+def resources() -> str:
+    """What place-and-route measured."""
+    return markdown(*table.cells(table.read_table(ROOT)))
+
+
+def summary() -> str:
+    """The quadratic core on one device: clocks a pixel, area and clock by the stream's width."""
+    clocks = json.loads((REPORTS / "throughput.json").read_text())["rows"]
+    areas = table.read_table(ROOT)
+    rows = []
+    for width in STREAM_WIDTHS:
+        row = table.find_row(areas, SUMMARY_DEVICE, {"stream_width": width})
+        if row is None:
+            continue
+        sizes = [
+            line
+            for line in clocks
+            if (line["case"], line["order"], line["stream_width"]) == ("random", "quadratic", width)
+        ]
+        rows.append(
+            (
+                f"{width} bits" + (", the default" if width == Formats().stream_width else ""),
+                *(f"{size['clocks_per_pixel']:.2f}" for size in sizes[:3]),
+                *(str(row["area"][kind]) for kind in ("lut4", "ff", "bram", "dsp")),
+                f"{row['fmax_mhz']:.0f}",
+            )
         )
-        for linear, quadratic in zip(by_order["linear"], by_order["quadratic"], strict=True)
-    ]
-    return markdown(("mean pixels", "linear", "quadratic", "RasterIX, linear"), table)
+    means = [f"{size['mean_pixels']:.0f}" for size in sizes[:3]]
+    header = ("set-up stream", f"clocks a pixel, {means[0]} pixels a triangle", *means[1:])
+    header += ("LUT4", "flip-flops", "block RAM", "multipliers", "MHz")
+    text = "Three quadratic colours and depth on a Lattice ECP5 (LFE5U-25F, speed grade 6), after place-and-route:\n\n"
+    return text + markdown(header, rows)
 
 
 def demo() -> str:
     """What ``make demo`` measured."""
     rows = json.loads((REPORTS / "demo.json").read_text())["rows"]
-    table = [
+    lines = [
         (
             str(row["triangles"]),
             str(row["exponent"]),
@@ -66,26 +108,38 @@ def demo() -> str:
         for row in rows
     ]
     return markdown(
-        ("triangles", "exponent", "pixels", "clocks", "Gouraud to Phong", "quadratic to Phong"), table
+        ("triangles", "exponent", "pixels", "clocks", "Gouraud to Phong", "quadratic to Phong"), lines
     )
 
 
-BLOCKS = {"throughput": throughput, "demo": demo}
+BLOCKS = {
+    "README.md": {"demo": demo, "summary": summary},
+    "docs/explanation/numbers.md": {"throughput": throughput, "resources": resources},
+}
+
+
+def rewritten(name: str) -> str:
+    """A page with its tables as they are measured."""
+    text = (ROOT / name).read_text()
+    for block, make in BLOCKS[name].items():
+        text = replace_block(text, block, make(), name)
+    return text
 
 
 def main() -> int:
-    """Rewrite README.md, or with ``--check`` say whether that would change it."""
-    path = ROOT / "README.md"
-    old = path.read_text()
-    new = old
-    for name, block in BLOCKS.items():
-        new = replace_block(new, name, block())
-    if "--check" in sys.argv[1:]:
-        if new != old:
-            print("readme: error: README.md is older than docs/reports; run `make readme`", file=sys.stderr)
-            return 2
-        return 0
-    path.write_text(new)
+    """Rewrite the pages, or with ``--check`` say whether that would change them."""
+    for name in BLOCKS:
+        path = ROOT / name
+        new = rewritten(name)
+        if "--check" in sys.argv[1:]:
+            if new != path.read_text():
+                print(
+                    f"readme: error: {name} is older than what was measured; run `make readme`",
+                    file=sys.stderr,
+                )
+                return 2
+        else:
+            path.write_text(new)
     return 0
 
 

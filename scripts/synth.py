@@ -139,16 +139,6 @@ def check() -> None:
         raise Failure("; ".join(found))
 
 
-@main.command()
-def readme() -> None:
-    """Write the table into the README, between its markers."""
-    root = repository_root()
-    path = root / "README.md"
-    if not path.is_file():
-        raise QuadshadeError(f"there is no {path}")
-    write_text(path, resources.with_table(path.read_text(), resources.read_table(root)))
-
-
 if __name__ == "__main__":
     try:
         main()

@@ -298,11 +298,3 @@ def test_pack_and_replay(tmp_path: Path) -> None:
         code, output = run(*arguments)
         assert code == 0, output
     assert np.array_equal(read_picture(direct), read_picture(replayed))
-
-
-def test_the_documented_example_runs() -> None:
-    text = (ROOT / "docs" / "guide" / "board_api.md").read_text()
-    (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "'pixels'" in done.stdout

@@ -7,7 +7,6 @@ import json
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -272,15 +271,3 @@ def test_a_failed_write_leaves_the_old_file(tmp_path):
         atomic.write_atomically(path, fail)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_the_python_example_of_the_documentation_runs(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parent.parent / "docs" / "guide" / "render.md").read_text()
-    example, cloth = (block.split("```")[0] for block in page.split("```python\n")[1:])
-    exec(example, {})  # noqa: S102 - an example of our own
-    assert read_picture(tmp_path / "sphere.png").shape == (512, 512, 3)
-    (tmp_path / "cloth.py").write_text(cloth)
-    assert picture_of(
-        tmp_path / "a.png", "torus:288", "--reflectance", "cloth.py:cloth", "--size", "64x64"
-    ).any()

@@ -91,6 +91,13 @@ def test_ruff_format() -> None:
     assert result.returncode == 0, result.stdout
 
 
+def test_spelling() -> None:
+    """Over the tracked files: what is built, and pictures, hold no words."""
+    names = [str(path) for path in tracked_files()]
+    result = run(sys.executable, "-m", "codespell_lib", *names)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
 def test_file_hygiene() -> None:
     found = [fault for path in tracked_files() for fault in faults(path)]
     assert not found, "\n" + "\n".join(found)

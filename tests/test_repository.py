@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import subprocess
 import sys
 import tomllib
@@ -16,7 +15,8 @@ import click
 import pytest
 from packaging.requirements import Requirement
 
-ROOT = Path(__file__).resolve().parents[1]
+from tests.support.pages import ROOT, documented_commands, pages
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
@@ -24,28 +24,6 @@ def make_targets() -> set[str]:
     """Targets that the Makefile declares phony: those that are meant to be typed."""
     declared = re.findall(r"^\.PHONY: (.+)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
     return set(" ".join(declared).split())
-
-
-def pages() -> list[Path]:
-    """The README, those of the folders, and every page of the documentation."""
-    folders = [
-        path
-        for name in ("rtl", "cocotb_tests", "formal", "model", "scripts")
-        for path in (ROOT / name).rglob("README.md")
-    ]
-    return [*ROOT.glob("*.md"), *folders, *sorted((ROOT / "docs").rglob("*.md"))]
-
-
-def documented_commands(program: str) -> list[list[str]]:
-    """Arguments of every call of a program in the pages' code, comments removed."""
-    calls = []
-    for page in pages():
-        text = page.read_text().replace("\\\n", " ")
-        fenced = re.findall(r"^```\w*\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-        indented = re.findall(r"^ {4}(.*)$", text, re.MULTILINE)
-        lines = [*"\n".join(fenced).splitlines(), *indented, *re.findall(r"`([^`\n]+)`", text)]
-        calls += [re.sub(r"(^| )#.*", "", part).strip("$ ") for line in lines for part in line.split("&&")]
-    return [shlex.split(call)[1:] for call in calls if call.startswith(f"{program} ")]
 
 
 def command_line() -> click.Group:

@@ -262,15 +262,17 @@ def test_table_file_round_trip() -> None:
     assert json.loads(table.dumps(whole)) == whole
 
 
-def test_document_between_markers() -> None:
-    whole = {"rows": [row(1.0)]}
-    text = f"before\n{table.BEGIN}\nold\n{table.END}\nafter\n"
-    new = table.with_table(text, whole)
-    assert new.startswith(f"before\n{table.BEGIN}\n|") and new.endswith(f"|\n{table.END}\nafter\n")
-    assert "old" not in new and "| core | ecp5-25k-6 | 10 | 5 | 0 | 0 | 190 | 200 | 0.95 |" in new
-    assert table.with_table(new, whole) == new
-    with pytest.raises(QuadshadeError, match="markers"):
-        table.with_table("no markers", whole)
+def test_cells_name_the_width_of_the_stream() -> None:
+    header, (cells,) = table.cells({"rows": [row(1.0)]})
+    shown = dict(zip(header, cells, strict=True))
+    assert shown["set-up stream"] == "128 bits" and shown["configuration"] == "core"
+    assert [shown[name] for name in ("LUT4", "flip-flops", "block RAM", "multipliers")] == [
+        "10",
+        "5",
+        "0",
+        "0",
+    ]
+    assert (shown["MHz"], shown["lone accumulator"], shown["ratio"]) == ("190", "200", "0.95")
 
 
 def test_table_in_the_repository() -> None:
@@ -284,8 +286,3 @@ def test_table_in_the_repository() -> None:
         assert set(entry["area"]) == set(asdict(Area(0, 0, 0, 0, 0, 0)))
         assert len(entry["runs_mhz"]) == len(entry["lone_runs_mhz"]) == whole["seeds"]
         assert entry["floor_mhz"] > 0 and table.timing_failures(entry) == []
-
-
-def test_readme_shows_the_table() -> None:
-    text = (ROOT / "README.md").read_text()
-    assert table.with_table(text, table.read_table(ROOT)) == text

@@ -2,14 +2,13 @@
 """
 ``synth/resources.json``: what each configuration costs and how fast it is, beside the fabric's own limit.
 
-A row is given by name, device, generics and floor; the rest is measured. The README's table is written
-from it.
+A row is given by name, device, generics and floor; the rest is measured. ``scripts/readme.py`` writes the tables
+of README and pages from it.
 """
 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -18,11 +17,9 @@ from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import core_of
 from quadshade.engine.tool_runner import package_version
 from quadshade.errors import QuadshadeError
-from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.devices import find_device
 from quadshade.synthesis.flow import YOSYS, Implementation, Placed, implement
 
-BEGIN, END = "<!-- resources begin -->", "<!-- resources end -->"
 LONE = "lone_accumulator"
 
 
@@ -153,28 +150,30 @@ def timing_failures(row: Mapping) -> list[str]:
     ]
 
 
-def markdown(table: Mapping) -> str:
-    """The table as Markdown."""
-    head = ("configuration", "device", "LUT4", "flip-flops", "block RAM", "multipliers", "MHz")
-    head += ("lone accumulator", "ratio")
+def cells(table: Mapping) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """The table's header and rows, as text, for the pages."""
+    header = (
+        "configuration",
+        "set-up stream",
+        "device",
+        "LUT4",
+        "flip-flops",
+        "block RAM",
+        "multipliers",
+        "MHz",
+    )
     rows = []
     for row in table["rows"]:
         area = row["area"]
-        cells = [row["name"], row["device"], *(area[kind] for kind in ("lut4", "ff", "bram", "dsp"))]
-        rows.append([*cells, f"{row['fmax_mhz']:.0f}", f"{row['lone_mhz']:.0f}", f"{row['ratio']:.2f}"])
-    return markdown_table(head, rows, right=head[2:])
-
-
-def with_table(text: str, table: Mapping) -> str:
-    """
-    A document with what stands between its markers replaced by the table.
-
-    Raises
-    ------
-    QuadshadeError
-      It has not exactly one pair of markers.
-    """
-    if text.count(BEGIN) != 1 or text.count(END) != 1 or text.index(BEGIN) > text.index(END):
-        raise QuadshadeError("the document has no pair of markers for the table", f"write {BEGIN} and {END}")
-    pattern = re.compile(f"{re.escape(BEGIN)}.*?{re.escape(END)}", re.DOTALL)
-    return pattern.sub(lambda _: f"{BEGIN}\n{markdown(table)}\n{END}", text)
+        rows.append(
+            (
+                row["name"],
+                f"{Formats().with_generics(row['generics']).stream_width} bits",
+                row["device"],
+                *(str(area[kind]) for kind in ("lut4", "ff", "bram", "dsp")),
+                f"{row['fmax_mhz']:.0f}",
+                f"{row['lone_mhz']:.0f}",
+                f"{row['ratio']:.2f}",
+            )
+        )
+    return (*header, "lone accumulator", "ratio"), rows
