@@ -3,8 +3,8 @@
 """
 Write the mesh files of ``examples/``, each from a formula; ``--check`` only compares.
 
-``part.stl`` is a gear, ``pawn.obj`` with ``pawn.mtl`` a chess piece of three materials, ``knot.glb`` a trefoil
-knot with a colour at every vertex. ``examples/triangles.json`` and ``examples/cloth.py`` are written by hand.
+``part.stl`` is a gear, ``pawn.obj`` with ``pawn.mtl`` a chess piece of three materials, ``knot.glb`` a
+trefoil knot with a colour at every vertex. ``triangles.json`` and ``cloth.py`` are written by hand.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ Ks 0 0 0
 
 
 def knot(rings: int = 84, sides: int = 12, radius: float = 0.42) -> trimesh.Trimesh:
-    """A tube along the trefoil knot (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), its hue going round once."""
+    """A tube along the knot (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t); its hue goes round once."""
     t = 2 * np.pi * np.arange(rings) / rings
 
     def point(t: np.ndarray) -> np.ndarray:

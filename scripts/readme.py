@@ -41,7 +41,7 @@ def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def throughput() -> str:
-    """Clocks per covered pixel: random triangles, a row a size, linear and quadratic by the stream's width."""
+    """Clocks per covered pixel: random triangles, linear and quadratic, by the stream's width."""
     rows = json.loads((REPORTS / "throughput.json").read_text())["rows"]
     random = [row for row in rows if row["case"] == "random"]
     orders = ("linear", "quadratic")
@@ -89,7 +89,9 @@ def summary() -> str:
     means = [f"{size['mean_pixels']:.0f}" for size in sizes[:3]]
     header = ("set-up stream", f"clocks a pixel, {means[0]} pixels a triangle", *means[1:])
     header += ("LUT4", "flip-flops", "block RAM", "multipliers", "MHz")
-    text = "Three quadratic colours and depth on a Lattice ECP5 (LFE5U-25F, speed grade 6), after place-and-route:\n\n"
+    text = (
+        "Three quadratic colours and depth on an ECP5 (LFE5U-25F, speed grade 6), after place-and-route:\n\n"
+    )
     return text + markdown(header, rows)
 
 

@@ -3,8 +3,8 @@
 Every block of every page runs, in the page's order, from a copy of ``examples/``.
 
 ``quadshade`` runs in this process and any other command in a shell. ``make`` would install what is missing, so
-make is only asked what it would run (the scripts behind the targets have tests of their own). A block that needs
-hardware, a network or hours says why it is left out in a comment, ``<!-- not run: reason -->``.
+make is only asked what it would run; the scripts behind its targets have tests of their own. A block that
+needs hardware, a network or hours says why it is left out in a comment, ``<!-- not run: reason -->``.
 """
 
 from __future__ import annotations
@@ -109,8 +109,8 @@ def check_picture(picture: Path, drawn: Path) -> None:
     """
     A page shows what its own command draws; with QUADSHADE_WRITE_PICTURES=1 the page's picture is replaced.
 
-    One grey level is allowed: shading is floating point on the host, and another processor's mathematical functions
-    may round a sample to the other side.
+    One grey level is allowed: the host shades in floating point, and the mathematical functions of another
+    processor may round a sample to the other side.
     """
     if os.environ.get("QUADSHADE_WRITE_PICTURES") == "1":
         shutil.copyfile(drawn, picture)

@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 LANGUAGES = ("sh", "python", "json", "vhdl", "text")
-"""What a block may be: ``sh`` and ``python`` are run, ``json`` is a triangles file, the others are read only."""
+"""What a block may be: ``sh`` and ``python`` are run, ``json`` is a triangles file, the others are read."""
 
 FENCE = re.compile(r"^( *)```(\w*)[^\n]*\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 NOTE = re.compile(r"<!-- (not run|in the background): (.+?) -->")
@@ -31,8 +31,8 @@ class Block:
     not_run : str or None
       Why the test does not run it: the comment ``<!-- not run: reason -->`` before the block.
     background : str or None
-      The file that shows that the command is ready, from ``<!-- in the background: file -->``: the command runs
-      until the page ends.
+      The file that shows that the command is ready, from ``<!-- in the background: file -->``: the command
+      runs until the page ends.
     """
 
     page: Path

@@ -2,8 +2,8 @@
 """
 ``synth/resources.json``: what each configuration costs and how fast it is, beside the fabric's own limit.
 
-A row is given by name, device, generics and floor; the rest is measured. ``scripts/readme.py`` writes the tables
-of README and pages from it.
+A row is given by name, device, generics and floor; the rest is measured. ``scripts/readme.py`` writes the
+tables of README and pages from it.
 """
 
 from __future__ import annotations
