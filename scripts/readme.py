@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 from quadshade.contract.formats import Formats
+from quadshade.files.markdown import markdown_table
 from quadshade.synthesis import table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -31,13 +31,7 @@ def replace_block(text: str, name: str, block: str, page: str) -> str:
     _, closed, tail = rest.partition(end)
     if not (found and closed):
         raise ValueError(f"{page} has no block {name}")
-    return f"{head}{begin}{block}{end}{tail}"
-
-
-def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    lines = [header, ("---",) * len(header), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return f"{head}{begin}{block}\n{end}{tail}"
 
 
 def throughput() -> str:
@@ -56,12 +50,13 @@ def throughput() -> str:
         means = f"{sizes[0]['mean_pixels']:.1f} / {sizes[-1]['mean_pixels']:.1f}"
         clocks = [f"{row['clocks_per_pixel']:.4f}" for row in sizes]
         lines.append((means, *clocks, f"{sizes[0]['peer']}"))
-    return markdown(("mean pixels", *head, "RasterIX, linear"), lines)
+    return markdown_table(("mean pixels", *head, "RasterIX, linear"), lines)
 
 
 def resources() -> str:
     """What place-and-route measured."""
-    return markdown(*table.cells(table.read_table(ROOT)))
+    header, rows = table.cells(table.read_table(ROOT))
+    return markdown_table(header, rows, right=header[3:])
 
 
 def summary() -> str:
@@ -92,7 +87,7 @@ def summary() -> str:
     text = (
         "Three quadratic colours and depth on an ECP5 (LFE5U-25F, speed grade 6), after place-and-route:\n\n"
     )
-    return text + markdown(header, rows)
+    return text + markdown_table(header, rows, right=header[1:])
 
 
 def demo() -> str:
@@ -109,7 +104,7 @@ def demo() -> str:
         )
         for row in rows
     ]
-    return markdown(
+    return markdown_table(
         ("triangles", "exponent", "pixels", "clocks", "Gouraud to Phong", "quadratic to Phong"), lines
     )
 
