@@ -27,12 +27,18 @@ class Mesh:
       Unit normal at each corner of each face: corners that share a vertex may differ, which makes a crease.
     colours : (n, 3, 3) float64 or None
       Base colour at each corner, 0 .. 1; None: the material's.
+    double_sided : (n,) bool or None
+      Faces that are drawn from behind too, whatever is culled; None: none of them.
+    notes : tuple of str
+      What its file holds and a picture does not show, a sentence each.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     normals: np.ndarray
     colours: np.ndarray | None = None
+    double_sided: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.faces)
@@ -70,6 +76,8 @@ def build_mesh(
     normals: np.ndarray | None = None,
     crease: float | None = None,
     colours: np.ndarray | None = None,
+    double_sided: np.ndarray | None = None,
+    notes: tuple[str, ...] = (),
 ) -> Mesh:
     """
     A checked mesh from arrays.
@@ -84,6 +92,9 @@ def build_mesh(
       Degrees, 0 .. 180. Given: all normals are computed, with edges sharper than this left sharp. Not given:
       ``normals`` are used, or computed with ``DEFAULT_CREASE``.
     colours : (n, 3, 3) float, optional
+      0 .. 1.
+    double_sided : (n,) bool, optional
+    notes : tuple of str
 
     Returns
     -------
@@ -92,13 +103,18 @@ def build_mesh(
     Raises
     ------
     QuadshadeError
-      Arrays of another shape, no triangles, a vertex that is not finite, a face that names no vertex, or a
-      crease out of range.
+      Arrays of another shape, no triangles, a vertex that is not finite, a face that names no vertex, a
+      colour outside 0 .. 1, or a crease out of range.
     """
     vertices = _rows(vertices, np.float64, "vertices", (None, 3))
     faces = _rows(faces, np.int64, "faces", (None, 3))
     normals = None if normals is None else _rows(normals, np.float64, "normals", (len(faces), 3, 3))
     colours = None if colours is None else _rows(colours, np.float64, "colours", (len(faces), 3, 3))
+    if colours is not None and not ((colours >= 0) & (colours <= 1)).all():
+        bad = colours[~((colours >= 0) & (colours <= 1))][0]
+        raise QuadshadeError(f"a colour of the mesh is {bad:g}", "give 0 to 1")
+    if double_sided is not None:
+        double_sided = _rows(double_sided, np.bool_, "double_sided", (len(faces),))
     if crease is not None and not 0 <= crease <= 180:
         raise QuadshadeError(
             f"the crease angle is {crease}", "give degrees from 0 (flat faces) to 180 (smooth)"
@@ -114,13 +130,13 @@ def build_mesh(
         raise QuadshadeError("a vertex is farther than 1e100 from the origin", "scale the mesh down")
     if normals is None or crease is not None:
         computed = corner_normals(vertices, faces, DEFAULT_CREASE if crease is None else crease)
-        return Mesh(vertices, faces, computed, colours)
+        return Mesh(vertices, faces, computed, colours, double_sided, notes)
     length = np.linalg.norm(normals, axis=-1)
     missing = ~(np.isfinite(length) & (length > 0))
     unit = normals / np.where(missing, 1, length)[..., None]
     if missing.any():
         unit[missing] = corner_normals(vertices, faces, DEFAULT_CREASE)[missing]
-    return Mesh(vertices, faces, unit, colours)
+    return Mesh(vertices, faces, unit, colours, double_sided, notes)
 
 
 def _rows(given: np.ndarray, kind: type, what: str, shape: tuple[int | None, ...]) -> np.ndarray:

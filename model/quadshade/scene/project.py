@@ -101,7 +101,8 @@ def project(
     formats : Formats, optional
       Sub-pixel bits, depth bits and the guard band; by default the core's defaults.
     cull : bool
-      Drop triangles seen from behind (clockwise on the screen). Kept, they are lit from the viewer's side.
+      Drop triangles seen from behind (clockwise on the screen), but for those that the mesh calls
+      double-sided. Kept, they are lit from the viewer's side.
 
     Returns
     -------
@@ -125,7 +126,8 @@ def project(
     sides = _sides(coordinates, view.planes(np.array([[0, 0], [width, height]]), near), cutters)
     vertices = _rounded(coordinates, sides, view.middle, scale)
     # Most triangles need no clipping and many are culled: nothing is gathered for those.
-    source, crossing = _seen(mesh.faces, sides, vertices, cull)
+    culled = _culled(mesh, cull)
+    source, crossing = _seen(mesh.faces, sides, vertices, culled)
     full = 2.0**formats.depth_bits - 1
     view_depth = near, far, view.perspective, full
     parts = _gather(
@@ -138,7 +140,7 @@ def project(
         faces = np.arange(len(flat)).reshape(-1, 3)
         sides = np.zeros(len(flat), np.uint16)
         vertices = _rounded(flat, sides, view.middle, scale)
-        kept, _ = _seen(faces, sides, vertices, cull)
+        kept, _ = _seen(faces, sides, vertices, culled[crossing[cut_from]])
         colours = None if mesh.colours is None else pieces[..., 10:13]
         more = _gather(kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], colours)
         source = np.concatenate([source, crossing[cut_from[kept]]])
@@ -179,6 +181,13 @@ class _View:
             planes[1 + 2 * axis, [axis, 2]] = 1, -low
             planes[2 + 2 * axis, [axis, 2]] = -1, high
         return planes
+
+
+def _culled(mesh: Mesh, cull: bool) -> np.ndarray:
+    """(n,) bool: faces that are dropped where they are seen from behind."""
+    if mesh.double_sided is None or not cull:
+        return np.full(len(mesh), cull)
+    return ~mesh.double_sided
 
 
 def _depth_range(camera: Camera, distance: np.ndarray) -> tuple[float, float]:
@@ -256,7 +265,7 @@ def _facing(face, vertices):
 
 
 @njit(cache=True)
-def _seen(faces, sides, vertices, cull):
+def _seen(faces, sides, vertices, culled):
     """Faces to draw that no cutter touches, and those that one crosses: two (k,) int64, ascending."""
     whole, crossing = np.empty(len(faces), np.int64), np.empty(len(faces), np.int64)
     wholes = crossings = 0
@@ -270,7 +279,7 @@ def _seen(faces, sides, vertices, cull):
             crossings += 1
         else:
             facing = _facing(face, vertices)
-            if facing > 0 or (facing < 0 and not cull):
+            if facing > 0 or (facing < 0 and not culled[index]):
                 whole[wholes] = index
                 wholes += 1
     return whole[:wholes].copy(), crossing[:crossings].copy()
