@@ -109,19 +109,20 @@ def test_an_adaptive_picture_is_drawn_with_cosines_and_said_so(tmp_path: Path) -
 
 def test_a_board_without_edge_map_leaves_them_to_the_host() -> None:
     told: list[str] = []
-    from quadshade.cli.style_on_board import style_on_board
-    from quadshade.cli.style_options import StyleChoice
+    from quadshade.rendering import PortChoice, RenderSettings, Reports, SceneChoice, StyleChoice
+    from quadshade.rendering.board import style_on_board
+    from quadshade.rendering.shade import ShownScene
     from quadshade.style import draw_edges, draw_gbuffer, find_edges
 
     mesh = load_scene("cube:2")
-    choice = StyleChoice(kinds=("profile", "inner"))
+    settings = RenderSettings(
+        SceneChoice(mesh), style=StyleChoice(edges="profile,inner"), port=PortChoice("sim", pack_error=0.0)
+    )
     white = np.full((32, 48, 3), 255, np.uint8)
     with Board("sim", settings=SMALL, engine="model", notice=told.append) as board:
         projected = project(mesh, fit_camera(mesh, direction=np.array([1, 0.8, 1])), 48, 32, board.formats)
-        from quadshade.cli.scene_options import ShownScene
-
         scene = ShownScene(projected, None, None, (255, 255, 255), len(mesh))
-        picture = style_on_board(choice, white, scene, board, True, 0.0)
+        picture = style_on_board(settings, white, scene, board, Reports(told.append))
     gbuffer, _ = draw_gbuffer(projected)
     assert np.array_equal(picture, draw_edges(white, find_edges(gbuffer)))
     assert len(told) == 1 and "no edge map" in told[0]

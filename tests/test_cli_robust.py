@@ -107,9 +107,16 @@ def test_the_help_lists_every_generic() -> None:
             assert f"{name}={value} " in text and GENERIC_HELP[name] in text
 
 
-def test_no_command_is_one_short_line() -> None:
+def test_without_a_command_the_help_is_shown() -> None:
     result = quadshade()
-    assert is_one_line(result) and "no command" in result.stderr
+    assert result.exit_code == 0 and result.stdout == quadshade("--help").stdout and not result.stderr
+
+
+def test_a_mistyped_command_is_suggested() -> None:
+    result = quadshade("rendr", "sphere:24")
+    assert is_one_line(result) and "'rendr', the nearest is 'render'" in result.stderr
+    result = quadshade("xyzzy")
+    assert is_one_line(result) and "nearest" not in result.stderr
 
 
 def test_ctrl_c_ends_the_program_while_it_imports(tmp_path: Path) -> None:

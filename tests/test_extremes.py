@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from quadshade.choices import MAX_ERROR
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Pixels, ScreenTriangles
@@ -16,7 +17,7 @@ from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.files.triangle_file import write_triangles
 from quadshade.setup import divide_primitives
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.reference import interpolated
 from tests.support.setup_reference import exact_quadratic, half_plane_pixels, screen_triangles
 

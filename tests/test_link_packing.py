@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from quadshade.choices import PACK_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.link.word_unpacker import WordUnpacker
-from quadshade.packing.pack import PACK_ERROR, pack_primitives, unpack
+from quadshade.packing.pack import pack_primitives, unpack
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.short_edges import short_edges

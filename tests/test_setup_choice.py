@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from quadshade.choices import SETUPS
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
@@ -17,7 +18,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.files.triangle_file import write_triangles
 from quadshade.image import read_picture
 from quadshade.scene import fit_camera, load_scene, project
-from quadshade.setup.literature.terms import SETUPS, fit_terms
+from quadshade.setup.literature.terms import fit_terms
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
 from quadshade.shading.lights import DirectionalLight, PointLight

@@ -19,11 +19,11 @@ from pathlib import Path
 import click
 import numpy as np
 
+from quadshade.choices import MAX_ERROR, ROUNDINGS
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.files.markdown import markdown_table
-from quadshade.setup.triangle_setup import MAX_ERROR, ROUNDINGS
 from quadshade.shading.reference import interpolated
 from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
 

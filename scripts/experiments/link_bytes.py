@@ -15,16 +15,17 @@ from pathlib import Path
 import click
 import numpy as np
 
+from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.files.markdown import markdown_table
 from quadshade.golden.shade import render_core
 from quadshade.image.compare import psnr
 from quadshade.packing.frame_file import line_bytes
-from quadshade.packing.pack import PACK_ERROR, pack_primitives, unpack
+from quadshade.packing.pack import pack_primitives, unpack
 from quadshade.scene import Projected, load_scene, parse_camera, project
 from quadshade.setup.packet import pack
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong
 from scripts.experiments.report_writer import LICENCE, REPORTS, run_command, write_report

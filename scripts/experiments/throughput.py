@@ -14,9 +14,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from quadshade.choices import ENGINES
 from quadshade.contract.formats import LINEAR, ORDER_NAMES, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.engine.draw import ENGINES, draw_words
+from quadshade.engine.draw import draw_words
 from quadshade.engine.ghdl import draw_ghdl
 from quadshade.errors import QuadshadeError
 from quadshade.files.markdown import markdown_table

@@ -16,7 +16,6 @@ LEFT = 0.7
 """Of the mean square of a whole: what halves have left of it at most."""
 MAX_PASSES = 24
 OUTPUT_ROUNDING = 0.5
-MEASURES = ("max", "rms")
 
 
 @dataclass(frozen=True)

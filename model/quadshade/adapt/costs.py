@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.choices import MAX_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
 from quadshade.scene.project import Projected
 from quadshade.setup.packet import packet_words
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
 from quadshade.shading.reference import phong

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.adapt.choose import MEASURES, OUTPUT_ROUNDING, Decision, Goal, divide, settle
+from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, divide, settle
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.costs import core_clocks, error_figures, pixel_errors, state_bytes, stream_bytes
 from quadshade.adapt.shader import ColourShader, Shader, Surface
+from quadshade.choices import MEASURES, UNITS
 from quadshade.contract.formats import ORDER_NAMES, Formats
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
@@ -22,7 +23,6 @@ from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
 from quadshade.shading.specular import specular_formats
 
-UNITS = ("bytes", "clocks")
 SHADERS = {kind.shading: kind for kind in (ColourShader, CosineShader, LightShader)}
 SHADINGS = (*SHADERS, "auto")
 COLOURS = 3

@@ -17,6 +17,7 @@ from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
 from quadshade.board.simulated import SimulatedBoard
+from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import FEATURES, BoardResetError, LinkError
 from quadshade.contract.shade_state import ShadeState
@@ -28,8 +29,8 @@ from quadshade.image.visible import visible
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
-from quadshade.packing.pack import PACK_ERROR, pack_primitives
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.packing.pack import pack_primitives
+from quadshade.setup.triangle_setup import setup_triangles
 
 REDRAWS = 5
 """How often a picture is begun anew because the board was reset."""

@@ -11,12 +11,12 @@ from collections import deque
 
 from quadshade.board.programs import ghdl_board, verilator_board
 from quadshade.board.settings import BoardSettings
+from quadshade.choices import BOARD_ENGINES
 from quadshade.contract.protocol import PHASE_BITS
 from quadshade.engine.draw import default_engine
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
 
-BOARD_ENGINES = ("verilator", "ghdl", "model")
 ANSWER_SECONDS = {"verilator": 4.0, "ghdl": 60.0, "model": 2.0}
 """How long a host waits for an answer of a board that is so simulated, on a machine that has more to do."""
 

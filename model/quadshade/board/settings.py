@@ -6,11 +6,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 
-from quadshade.contract.formats import Formats, parse_generics
+from quadshade.contract.formats import Formats
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.scan_out import Timing
-from quadshade.scene.key_values import parse_size
 
 LEAST_CLOCKS = 4
 """Fewest clocks of a bit on the line."""
@@ -135,10 +134,24 @@ def own_names() -> list[str]:
 
 
 def board_settings(
-    preset: str | None, screen: str | None, generics: tuple[str, ...], shade: bool = False
+    preset: str | None,
+    screen: tuple[int, int] | None,
+    generics: Mapping[str, int],
+    shade: bool = False,
 ) -> BoardSettings:
     """
-    Generics of a simulated board from a real one's, a size, and settings.
+    Generics of a simulated board.
+
+    Parameters
+    ----------
+    preset : str or None
+      A real board, e.g. ``icebreaker``, whose generics it has, but for the clock.
+    screen : tuple of int or None
+      Width and height.
+    generics : mapping of str to int
+      Those that the user has set; they win.
+    shade : bool
+      With the shade unit: a diffuse and a specular channel.
 
     Raises
     ------
@@ -149,9 +162,9 @@ def board_settings(
     if shade:
         given |= {"with_shade": 1, "num_channels": 2, "num_specular": 1}
     if screen is not None:
-        given["screen_width"], given["screen_height"] = parse_size(screen)
+        given["screen_width"], given["screen_height"] = screen
     # All at once: a size may be one that only another generic allows.
-    return BoardSettings().with_generics(given | parse_generics(generics))
+    return BoardSettings().with_generics(given | dict(generics))
 
 
 def _preset(name: str) -> dict[str, int]:

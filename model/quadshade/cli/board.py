@@ -8,16 +8,15 @@ from pathlib import Path
 
 import click
 
-from quadshade.board.settings import board_settings
+from quadshade.choices import BOARD_ENGINES
+from quadshade.contract.formats import parse_generics
 from quadshade.errors import QuadshadeError
-
-ENGINES = ("verilator", "ghdl", "model")
 
 
 @click.command()
 @click.option(
     "--engine",
-    type=click.Choice(ENGINES),
+    type=click.Choice(BOARD_ENGINES),
     envvar="QUADSHADE_ENGINE",
     help="What runs: the board's netlist in Verilator, its VHDL in GHDL, or its golden model.  "
     "[default: verilator where it and a C++ compiler are installed, else model]",
@@ -65,12 +64,15 @@ def board(
     """
     from quadshade.board.endpoints import PtyLine, TcpLine, tcp_address
     from quadshade.board.engines import board_engine, start_engine
+    from quadshade.board.settings import board_settings
     from quadshade.board.simulated import SimulatedBoard
+    from quadshade.scene.key_values import parse_size
 
     if pty is not None and tcp is not None:
         raise QuadshadeError("--pty and --tcp are given", "give one of them")
     address = None if tcp is None else tcp_address(tcp)
-    settings = board_settings(preset, screen, generics, shade)
+    size = None if screen is None else parse_size(screen)
+    settings = board_settings(preset, size, parse_generics(generics), shade)
     name = board_engine(engine)
     # The line first: a path or a port that cannot be had is said before anything is compiled.
     line = PtyLine(pty, settings.baud) if address is None else TcpLine(address[1], address[0])

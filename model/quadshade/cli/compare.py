@@ -11,7 +11,6 @@ from pathlib import Path
 import click
 
 from quadshade.cli.options import PATH
-from quadshade.files.atomic import check_writable, write_atomically
 
 
 @click.command()
@@ -28,6 +27,7 @@ def compare(first: Path, second: Path, heatmap: Path | None, as_json: bool) -> N
     quadshade compare quadratic.png phong.png --heatmap error.png
     quadshade compare quadratic.png phong.png --json
     """
+    from quadshade.files.atomic import check_writable, write_atomically
     from quadshade.image import compare as compare_pictures
     from quadshade.image import read_picture, write_heatmap
 

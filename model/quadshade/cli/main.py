@@ -11,15 +11,17 @@ from typing import Any, NoReturn
 from quadshade.cli.interrupts import MESSAGE, ending_in_order, exit_code, is_interrupted, leave_at_once
 
 with leave_at_once():
-    from importlib import import_module, metadata
+    import difflib
+    from importlib import import_module
 
     import click
 
+    import quadshade
     from quadshade.cli.compiled_loops import somewhere_for_compiled_loops
     from quadshade.errors import QuadshadeError
 
 BAD_INPUT = 2
-COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "info", "board")
+COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "info", "board", "completion")
 """Each is the function of this name in the module of this name, imported when it is needed."""
 
 
@@ -36,6 +38,9 @@ class OneLineErrors(click.Group):
                 if not sys.warnoptions:
                     warnings.simplefilter("ignore")
                 code = super().main(*args, standalone_mode=False, **extra)
+        except click.exceptions.NoArgsIsHelpError as error:
+            click.echo(error.ctx.get_help() if error.ctx else "")
+            sys.exit(0)
         except (click.Abort, KeyboardInterrupt):
             _leave_interrupted()
         except (QuadshadeError, click.ClickException, OSError, MemoryError) as error:
@@ -56,6 +61,15 @@ class OneLineErrors(click.Group):
             return super().invoke(context)
         except KeyboardInterrupt:
             raise click.Abort from None
+
+    def resolve_command(
+        self, context: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is named; where there is none, the error names the nearest one."""
+        near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+        if args[0] not in COMMANDS and near and not args[0].startswith("-"):
+            context.fail(f"there is no command {args[0]!r}, the nearest is {near[0]!r}")
+        return super().resolve_command(context, args)
 
     def list_commands(self, context: click.Context) -> list[str]:
         """Names of the commands, in the order of the help."""
@@ -83,9 +97,7 @@ def _say(text: str) -> None:
 
 def _one_line(error: BaseException) -> str:
     """What is wrong, without line breaks."""
-    if isinstance(error, click.exceptions.NoArgsIsHelpError):
-        text = "no command is given; try 'quadshade --help'"
-    elif isinstance(error, click.ClickException):
+    if isinstance(error, click.ClickException):
         text = error.format_message()
         if isinstance(error, click.UsageError) and error.ctx is not None:
             text = f"{text.rstrip('.')}; try '{error.ctx.command_path} --help'"
@@ -98,18 +110,24 @@ def _one_line(error: BaseException) -> str:
     return " ".join(text.split())
 
 
-def _version() -> str:
+def _say_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Version of the installed package."""
-    try:
-        return metadata.version("quadshade")
-    except metadata.PackageNotFoundError:
-        return "unknown, not installed"
+    if wanted and not context.resilient_parsing:
+        click.echo(f"quadshade, version {quadshade.__version__}")
+        context.exit()
 
 
 @click.group(
     cls=OneLineErrors, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
 )
-@click.version_option(_version(), prog_name="quadshade")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_say_version,
+    help="Show the version and exit.",
+)
 def main() -> None:
     """
     Quadratic shading, from a mesh to a picture, through a golden model or the VHDL itself.

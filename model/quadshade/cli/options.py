@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options that several commands share."""
+"""How commands declare options, in groups that their help shows, and those that several commands share."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
+from click.shell_completion import CompletionItem
 
+from quadshade.choices import ENGINES
 from quadshade.contract.formats import GENERIC_HELP, Formats
-from quadshade.engine import ENGINES
+from quadshade.errors import QuadshadeError
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Decorator = Callable[[Any], Any]
 
 PATH = click.Path(dir_okay=False, path_type=Path)
 
@@ -17,21 +25,106 @@ GENERICS_EPILOG = "\b\nGenerics, and their defaults:\n" + "\n".join(
 )
 """What the help of a command with ``--generic`` ends with."""
 
-generic_option = click.option(
+
+class TitledOption(click.Option):
+    """An option that stands under a title of the help."""
+
+    def __init__(self, *declarations: Any, title: str = "", **attributes: Any) -> None:
+        super().__init__(*declarations, **attributes)
+        self.title = title
+
+
+class TitledCommand(click.Command):
+    """A command whose help shows its options under their titles."""
+
+    def format_options(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, group by group in the order in which they are declared."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        plain = []
+        for parameter in self.get_params(context):
+            record = parameter.get_help_record(context)
+            if isinstance(parameter, TitledOption) and record is not None:
+                groups.setdefault(parameter.title, []).append(record)
+            elif isinstance(parameter, click.Option) and record is not None:
+                plain.append(record)
+        for title, records in (groups | {"Options": plain}).items():
+            with formatter.section(title):
+                formatter.write_dl(records)
+
+
+class Parsed(click.ParamType):
+    """
+    A value that a function of the library reads.
+
+    Parameters
+    ----------
+    name : str
+      What the help shows.
+    parse : callable
+      Raises :class:`QuadshadeError`, which becomes the usage error.
+    """
+
+    def __init__(self, name: str, parse: Callable[[Any], Any]) -> None:
+        self.name, self.parse = name, parse
+
+    def convert(self, value: Any, param: click.Parameter | None, context: click.Context | None) -> Any:
+        """The value, or a usage error that says how to write it."""
+        try:
+            return self.parse(value)
+        except QuadshadeError as error:
+            self.fail(str(error))
+
+
+def option(title: str, *declarations: str, **attributes: Any) -> Decorator:
+    """An option under a title of the help; otherwise as ``click.option``."""
+    return click.option(*declarations, cls=TitledOption, title=title, **attributes)
+
+
+def add_options(*groups: Sequence[Decorator]) -> Callable[[Function], Function]:
+    """Add groups of options to a command, in their order; its function gets them under their names."""
+
+    def decorate(function: Function) -> Function:
+        for declared in reversed([one for group in groups for one in group]):
+            function = declared(function)
+        return function
+
+    return decorate
+
+
+def is_given(name: str) -> bool:
+    """Whether an option stands on the command line."""
+    return click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
+
+
+def complete_file(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Let the shell complete the name of a file."""
+    return [CompletionItem(incomplete, type="file")]
+
+
+def output_option(help_text: str, required: bool = True) -> Decorator:
+    """``-o``: where the result goes."""
+    return option("Output", "-o", "--output", required=required, type=PATH, help=help_text)
+
+
+generic_option = option(
+    "Accuracy",
     "--generic",
     "generics",
     multiple=True,
     metavar="NAME=VALUE",
     help="Set a generic of the core for this run, under its VHDL name (repeatable), e.g. stream_width=128.",
 )
-engine_option = click.option(
+engine_option = option(
+    "Engine or board",
     "--engine",
     type=click.Choice(ENGINES),
     envvar="QUADSHADE_ENGINE",
     help="What draws: the golden model, the VHDL in GHDL, or its netlist in Verilator.  "
     "[default: verilator where it and a C++ compiler are installed, else model]",
 )
-stats_option = click.option("--stats", type=PATH, help="Write clocks, pixels, triangles and words as JSON.")
-waves_option = click.option(
-    "--waves", type=PATH, help="Keep the simulation's waveforms (GHDL only), e.g. out.ghw."
+stats_option = option(
+    "Output", "--stats", type=PATH, help="Write clocks, pixels, triangles and words as JSON."
+)
+waves_option = option(
+    "Output", "--waves", type=PATH, help="Keep the simulation's waveforms (GHDL only), e.g. out.ghw."
 )

@@ -4,61 +4,44 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
+from quadshade.choices import SAMPLED_SETUPS
+from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import (
     GENERICS_EPILOG,
     PATH,
+    TitledCommand,
+    add_options,
     engine_option,
-    generic_option,
+    output_option,
     stats_option,
     waves_option,
 )
-from quadshade.cli.port_options import PortChoice, on_board, port_options
-from quadshade.cli.setup_options import SAMPLED, setup_options, undefined_note
+from quadshade.cli.port_options import TITLE, VERIFY_BOARD, port_options, with_board
+from quadshade.cli.scene_options import GENERIC_OPTIONS, setup_options, verify_option
+from quadshade.cli.terminal import reporting, say_statistics
 from quadshade.contract.formats import parse_generics
-from quadshade.contract.triangles import Pixels
-from quadshade.engine import default_engine, draw
 from quadshade.errors import QuadshadeError
-from quadshade.files.atomic import check_writable, write_atomically, write_json
-from quadshade.files.triangle_file import open_triangles
+
+if TYPE_CHECKING:
+    from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 
 
-def write_pixels(path: Path, pixels: Pixels) -> None:
-    """
-    Write pixels as npz: ``triangle``, ``x``, ``y``, ``value`` and, if there is one, ``depth``, all int32.
-    """
-    columns = {"triangle": pixels.triangle, "x": pixels.x, "y": pixels.y, "value": pixels.value}
-    if pixels.depth is not None:
-        columns["depth"] = pixels.depth
-
-    def write(temporary: Path) -> None:
-        with temporary.open("wb") as file:
-            np.savez(file, **{name: column.astype(np.int32) for name, column in columns.items()})
-
-    write_atomically(path, write)
-
-
-@click.command(epilog=GENERICS_EPILOG)
+@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
 @click.argument("triangles_path", metavar="TRIANGLES.json", type=PATH)
-@click.option("-o", "--output", required=True, type=PATH, help="Where the pixels go, e.g. pixels.npz.")
-@engine_option
-@port_options(help_text="Draw on a board; OUTPUT is then a PNG file or its planes as npz")
-@setup_options(SAMPLED)
-@stats_option
-@waves_option
-@generic_option
+@add_options(
+    setup_options(SAMPLED_SETUPS),
+    GENERIC_OPTIONS,
+    [engine_option],
+    port_options("Draw on a board; OUTPUT is then a PNG file or its planes as npz"),
+    verify_option(TITLE, VERIFY_BOARD),
+    [output_option("Where the pixels go, e.g. pixels.npz."), stats_option, waves_option],
+)
 def raster(
-    triangles_path: Path,
-    output: Path,
-    engine: str | None,
-    stats: Path | None,
-    waves: Path | None,
-    generics: tuple[str, ...],
-    setup_choice: dict,
-    port_choice: PortChoice,
+    triangles_path: Path, output: Path, stats: Path | None, generics: tuple[str, ...], **options: Any
 ) -> None:
     """
     Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them.
@@ -67,31 +50,73 @@ def raster(
     quadshade raster triangles.json -o pixels.npz
     quadshade raster triangles.json -o picture.png --port sim
     """
-    check_writable(output, stats, waves, inputs=[triangles_path])
-    if on_board(port_choice, engine):
-        from quadshade.cli.draw_on_board import raster_on_board
+    with leave_at_once():
+        from quadshade.files.atomic import check_writable
+        from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
+        from quadshade.rendering.settings import collect
 
-        raster_on_board(triangles_path, port_choice, engine, generics, output, stats, waves, setup_choice)
-        return
+    check_writable(output, stats, options["waves"], inputs=[triangles_path])
+    keywords = with_board(options)
+    chosen = collect(SetupChoice, keywords), collect(EngineChoice, keywords), collect(PortChoice, keywords)
+    if keywords["port"] is not None:
+        _on_board(triangles_path, output, stats, parse_generics(generics), *chosen)
+    else:
+        _with_engine(triangles_path, output, stats, parse_generics(generics), *chosen[:2])
+
+
+def _with_engine(
+    path: Path,
+    output: Path,
+    stats: Path | None,
+    generics: dict[str, int],
+    setup: SetupChoice,
+    engine: EngineChoice,
+) -> None:
+    """Pixels into a file."""
+    from quadshade.files.atomic import write_json
+    from quadshade.files.pixel_file import write_pixels
+    from quadshade.rendering.draw import draw_triangles, undefined_note
+
     if output.suffix.lower() == ".png":
         raise QuadshadeError(
             f"the output is {str(output)!r}, and an engine gives single pixels, not a picture",
             "give a name that ends in .npz, or --port",
         )
-    triangles, formats = open_triangles(triangles_path, parse_generics(generics))
-    engine = engine or default_engine()
-    try:
-        drawing = draw(triangles, formats, engine, waves, **setup_choice)
-        write_pixels(output, drawing.pixels)
-    except MemoryError:
-        raise QuadshadeError(
-            f"{triangles_path}: {len(triangles)} triangles are too many for this machine's memory",
-            "split the file",
-        ) from None
+    drawing = draw_triangles(path, generics, setup, engine)
+    write_pixels(output, drawing.pixels)
     if stats:
         write_json(stats, drawing.stats)
     click.echo(
-        f"{output}: {len(drawing.pixels)} pixels of {len(triangles)} triangles, "
-        f"{drawing.stats['clocks']} clocks ({engine})"
-        f"{undefined_note(drawing.stats, setup_choice['method'])}"
+        f"{output}: {len(drawing.pixels)} pixels of {drawing.stats['triangles']} triangles, "
+        f"{drawing.stats['clocks']} clocks ({drawing.stats['engine']}){undefined_note(drawing, setup)}"
     )
+
+
+def _on_board(
+    path: Path,
+    output: Path,
+    stats: Path | None,
+    generics: dict[str, int],
+    setup: SetupChoice,
+    engine: EngineChoice,
+    port: PortChoice,
+) -> None:
+    """What the board shows into a file."""
+    from quadshade.files.atomic import write_atomically, write_json
+    from quadshade.files.pixel_file import write_arrays
+    from quadshade.image import write_png
+    from quadshade.rendering.board import draw_triangles_on_board
+
+    if output.suffix.lower() not in (".png", ".npz"):
+        raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png or .npz")
+    with reporting() as reports:
+        shown = draw_triangles_on_board(path, generics, setup, engine, port, reports)
+    say_statistics(shown.statistics)
+    if output.suffix.lower() == ".png":
+        write_atomically(output, lambda temporary: write_png(temporary, shown.picture))
+    else:
+        write_arrays(output, shown.planes)
+    if stats is not None:
+        height, width = shown.picture.shape[:2]
+        write_json(stats, {"port": port.port, **shown.statistics, "width": width, "height": height})
+    click.echo(f"{output}: {shown.triangles} triangles, drawn by the board at {port.port}")

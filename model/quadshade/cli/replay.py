@@ -4,21 +4,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from quadshade.cli.options import PATH, engine_option
-from quadshade.cli.port_options import PortChoice, opened, port_options
-from quadshade.errors import QuadshadeError
-from quadshade.files.atomic import check_writable, write_atomically
+from quadshade.cli.options import PATH, TitledCommand, add_options, engine_option, output_option
+from quadshade.cli.port_options import TITLE, VERIFY_BOARD, port_options
+from quadshade.cli.scene_options import verify_option
+from quadshade.cli.terminal import reporting, say_statistics, say_trace
 
 
-@click.command()
+@click.command(cls=TitledCommand)
 @click.argument("frame_path", metavar="FRAME.qs", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Read the picture back and write it: a PNG file.")
-@engine_option
-@port_options()
-def replay(frame_path: Path, output: Path | None, engine: str | None, port_choice: PortChoice) -> None:
+@add_options(
+    [engine_option],
+    port_options(),
+    verify_option(TITLE, VERIFY_BOARD),
+    [output_option("Read the picture back and write it: a PNG file.", required=False)],
+)
+def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -> None:
     """
     Draw FRAME.qs, which `pack` made, on a board that has its generics and its screen.
 
@@ -26,19 +30,23 @@ def replay(frame_path: Path, output: Path | None, engine: str | None, port_choic
     quadshade replay frame.qs --port auto
     quadshade replay frame.qs --port sim -o picture.png
     """
-    from quadshade.board.settings import BoardSettings
+    from quadshade.files.atomic import check_writable, write_atomically
     from quadshade.image import write_png
-    from quadshade.packing.frame_file import read_frame_file
+    from quadshade.rendering.board import replay_on_board
+    from quadshade.rendering.groups import EngineChoice
+    from quadshade.rendering.picture import check_png
+    from quadshade.rendering.settings import PortChoice, collect
 
-    if output is not None and output.suffix.lower() != ".png":
-        raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png")
+    if output is not None:
+        check_png(output)
     check_writable(output, inputs=[frame_path])
-    frame = read_frame_file(frame_path)
-    settings = BoardSettings(frame.formats, frame.width, frame.height) if port_choice.is_simulated else None
-    with opened(port_choice, settings, engine if port_choice.is_simulated else None) as board:
-        board.replay(frame, verify=port_choice.verify)
-        if output is not None:
-            picture = board.read(verify=port_choice.verify)
-            write_atomically(output, lambda temporary: write_png(temporary, picture))
+    options["trace"] = say_trace if trace else None
+    port = collect(PortChoice, options)
+    with reporting() as reports:
+        shown = replay_on_board(frame_path, collect(EngineChoice, options), port, output is not None, reports)
+    say_statistics(shown.statistics)
+    picture = shown.picture
+    if output is not None and picture is not None:
+        write_atomically(output, lambda temporary: write_png(temporary, picture))
     told = f", read into {output}" if output is not None else ""
-    click.echo(f"{frame_path}: {frame.triangles} triangles drawn at {port_choice.port}{told}")
+    click.echo(f"{frame_path}: {shown.triangles} triangles drawn at {port.port}{told}")

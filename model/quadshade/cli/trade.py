@@ -9,27 +9,24 @@ from typing import TYPE_CHECKING
 
 import click
 
+from quadshade.choices import ENGINES
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import GENERICS_EPILOG, generic_option
+from quadshade.cli.options import GENERICS_EPILOG, complete_file, generic_option
 from quadshade.cli.render import render
 from quadshade.contract.formats import Formats, parse_generics
-from quadshade.engine import ENGINES
 from quadshade.errors import QuadshadeError
-from quadshade.scene.key_values import parse_size
 
 if TYPE_CHECKING:
     from quadshade.trade import Sweep
 
-SCENE_OPTIONS = ("size", "camera", "light_texts", "material", "exponent", "cull", "crease")
+VIEW = ("size", "camera", "lights", "material", "exponent", "cull", "crease")
 
 
-def scene_options(command: Callable) -> Callable:
+def view_options(command: Callable[..., None]) -> Callable[..., None]:
     """The options of ``quadshade render`` that say what is looked at."""
     by_name = {option.name: option for option in render.params}
-    command.__click_params__ = [
-        *getattr(command, "__click_params__", []),
-        *(by_name[name] for name in reversed(SCENE_OPTIONS)),
-    ]
+    declared = getattr(command, "__click_params__", [])
+    command.__click_params__ = [*declared, *(by_name[name] for name in reversed(VIEW))]  # type: ignore[attr-defined]
     return command
 
 
@@ -47,7 +44,7 @@ def _fractions(text: str) -> tuple[int, ...]:
 
 
 @click.command(epilog=GENERICS_EPILOG)
-@click.argument("scene")
+@click.argument("scene", shell_complete=complete_file)
 @click.option(
     "-o",
     "--output",
@@ -70,7 +67,7 @@ def _fractions(text: str) -> tuple[int, ...]:
     show_default=True,
     help="none, all:K (into four, K times), highlights:PIXELS (Cho et al.), centre:LEVELS (Abbas et al.).",
 )
-@scene_options
+@view_options
 @click.option("--engine", type=click.Choice(ENGINES), default="model", show_default=True)
 @click.option("--area/--no-area", default=True, show_default=True, help="Count cells by synthesis.")
 @click.option("--device", default="ecp5-25k-6", show_default=True, help="What cells are counted on.")
@@ -83,9 +80,9 @@ def trade(
     fractions: str,
     shadings: str | None,
     subdivisions: str,
-    size: str,
+    size: str | None,
     camera: str,
-    light_texts: tuple[str, ...],
+    lights: tuple[str, ...],
     material: str,
     exponent: float | None,
     cull: bool,
@@ -109,6 +106,8 @@ def trade(
     quadshade trade torus:288 --dask tcp://host:8786
     """
     with leave_at_once():
+        from quadshade.rendering.groups import DEFAULT_SIZE
+        from quadshade.scene.key_values import parse_size
         from quadshade.trade import Grid, View, sweep
         from quadshade.trade.grid import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
         from quadshade.trade.progress import progress_bars
@@ -116,8 +115,8 @@ def trade(
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
         raise QuadshadeError(f"generic num_channels is {base.num_channels}", "a picture needs 3")
-    width, height = parse_size(size)
-    view = View(scene, width, height, camera, light_texts, material, exponent, crease, cull)
+    width, height = parse_size(size or DEFAULT_SIZE)
+    view = View(scene, width, height, camera, lights, material, exponent, crease, cull)
     divisions = _words(subdivisions)
     usual = DEFAULT_SHADINGS if WHOLE in divisions else USUAL_SHADINGS
     grid = Grid(_fractions(fractions), usual if shadings is None else _words(shadings), divisions)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from quadshade.choices import ENGINES, MAX_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import Drawing, Pixels, ScreenTriangles
@@ -16,9 +17,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 from quadshade.golden.shade import render_core
 from quadshade.setup.packet import pack
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
-
-ENGINES = ("model", "ghdl", "verilator")
+from quadshade.setup.triangle_setup import setup_triangles
 
 
 def default_engine() -> str:

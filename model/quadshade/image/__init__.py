@@ -2,12 +2,13 @@
 """Framebuffer, PNG files and picture comparison."""
 
 from quadshade.image.compare import Comparison, compare, write_heatmap
-from quadshade.image.png import read_picture, write_png
+from quadshade.image.png import encode_png, read_picture, write_png
 from quadshade.image.visible import paint, resolve, visible
 
 __all__ = [
     "Comparison",
     "compare",
+    "encode_png",
     "paint",
     "read_picture",
     "resolve",

@@ -41,6 +41,11 @@ class Comparison:
     differing: int
     pixels: int
 
+    @property
+    def rms(self) -> float:
+        """Root mean square error in grey levels, over all pixels and channels: 255 / 10**(psnr / 20)."""
+        return 255.0 / 10.0 ** (self.psnr / 20.0)
+
 
 def error_map(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,13 @@ def write_png(path: Path, picture: np.ndarray) -> None:
     picture : (height, width, 3) uint8
     """
     Image.fromarray(picture).save(path, format="PNG")
+
+
+def encode_png(picture: np.ndarray) -> bytes:
+    """The bytes of a PNG file of an 8-bit RGB picture, (height, width, 3) uint8."""
+    encoded = BytesIO()
+    Image.fromarray(picture).save(encoded, format="PNG")
+    return encoded.getvalue()
 
 
 def read_picture(path: Path) -> np.ndarray:

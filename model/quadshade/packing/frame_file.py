@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import MAX_PAYLOAD, SEQUENCES, WORD_BYTES, Opcode, definition_hash
 from quadshade.contract.releases import other_release
@@ -25,8 +26,8 @@ from quadshade.golden.screen.plane_reader import COLOUR, DEPTH
 from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade import render_core
 from quadshade.link.frames import Frame
-from quadshade.packing.pack import PACK_ERROR, Packed, pack_primitives, unpack
-from quadshade.setup.triangle_setup import MAX_ERROR, setup_triangles
+from quadshade.packing.pack import Packed, pack_primitives, unpack
+from quadshade.setup.triangle_setup import setup_triangles
 
 if TYPE_CHECKING:
     from quadshade.link.session import Session

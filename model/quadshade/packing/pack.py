@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from quadshade.choices import PACK_ERROR
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     CHANNEL_KINDS,
@@ -30,9 +31,6 @@ from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.short_words import NUM_DIFFERENCES, short_words
-
-PACK_ERROR = 1.0 / 32.0
-"""Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
 
 LEAST_GAIN = 2.0**-20
 """A channel that counts less than this in a colour is taken as one that counts this much."""

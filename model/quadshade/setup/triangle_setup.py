@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from quadshade.choices import ROUNDINGS
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, ORDER_NAMES, QUADRATIC, Formats
 from quadshade.contract.shade_state import specular_gain
 from quadshade.contract.triangles import ScreenTriangles
@@ -29,9 +30,6 @@ from quadshade.setup.edges import (
 from quadshade.setup.literature.terms import fit_terms
 from quadshade.setup.packet import Primitives
 
-ROUNDINGS = ("joint", "independent")
-MAX_ERROR = 0.5
-"""Grey levels that the bound may be where a drawing is not told otherwise."""
 UNDEFINED = 4.0 / 3.0
 """A channel drawn as 0 is at most this share of full scale off any quadratic through its samples."""
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lights, materials, six-point sampling and the float references."""
 
+from quadshade.choices import SHADING_ORDERS, SPECULAR_ORDERS
 from quadshade.shading.lights import (
     DEFAULT_LIGHTS,
     AmbientLight,
@@ -11,9 +12,8 @@ from quadshade.shading.lights import (
     parse_light,
 )
 from quadshade.shading.material import Material, load_reflectance, parse_material
-from quadshade.shading.sample import SHADING_ORDERS, sample
+from quadshade.shading.sample import sample
 from quadshade.shading.specular import (
-    SPECULAR_ORDERS,
     UnsuitedError,
     sample_specular,
     specular_formats,

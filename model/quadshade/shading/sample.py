@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from quadshade.choices import SHADING_ORDERS
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -16,7 +17,6 @@ from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 
-SHADING_ORDERS = {"flat": CONSTANT, "gouraud": LINEAR, "quadratic": QUADRATIC}
 CHANNELS = ("r", "g", "b")
 
 SAMPLE_POINTS = np.array(

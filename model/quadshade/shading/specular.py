@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from quadshade.choices import SPECULAR_ORDERS
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, SHADED_COLOURS, Formats
 from quadshade.contract.shade_state import (
     COEFFICIENT_LIMIT,
@@ -30,7 +31,6 @@ from quadshade.shading.lights import AmbientLight, Light, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
 
-SPECULAR_ORDERS = {"linear-specular": LINEAR, "quadratic-specular": QUADRATIC}
 MAX_CHANNELS = 8
 EXPONENTS = (1, 1024)
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.choices import EDGE_KINDS, EDGE_VARIANTS
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.edge_map import DIAGONAL, EIGHT, edge_map
 from quadshade.style.gbuffer import GBuffer
 
-KINDS = ("profile", "inner")
-VARIANTS = {"diagonal": DIAGONAL, "eight": EIGHT}
+VARIANTS = dict(zip(EDGE_VARIANTS, (DIAGONAL, EIGHT), strict=True))
 
 PROFILE_RANGE = {"diagonal": (0.06, 0.14), "eight": (0.07, 0.15)}
 """Depth's edge intensity, 0 without an edge, from which an edge begins to show, and is fully drawn."""
@@ -91,15 +91,15 @@ def find_edges(gbuffer: GBuffer, variant: str = "diagonal") -> EdgeMaps:
 def parse_kinds(text: str) -> tuple[str, ...]:
     """Kinds of edges of ``profile,inner``; raises :class:`QuadshadeError` for any other."""
     kinds = tuple(dict.fromkeys(kind.strip() for kind in text.split(",")))
-    if not kinds or not set(kinds) <= set(KINDS):
-        raise QuadshadeError(f"the edges are {text!r}", f"give {', '.join(KINDS)}, or both with a comma")
+    if not kinds or not set(kinds) <= set(EDGE_KINDS):
+        raise QuadshadeError(f"the edges are {text!r}", f"give {', '.join(EDGE_KINDS)}, or both with a comma")
     return kinds
 
 
 def draw_edges(
     picture: np.ndarray,
     maps: EdgeMaps,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = EDGE_KINDS,
     colours: dict[str, Sequence[float]] | None = None,
 ) -> np.ndarray:
     """
@@ -119,7 +119,7 @@ def draw_edges(
     (h, w, 3) uint8
     """
     blended = picture.astype(np.float64)
-    for kind in reversed(KINDS):
+    for kind in reversed(EDGE_KINDS):
         if kind in kinds:
             ink = 255 * np.asarray((colours or {}).get(kind, INK[kind]), dtype=np.float64)
             strength = maps.strength(kind)[..., None]

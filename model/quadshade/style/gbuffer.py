@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from quadshade.contract.formats import LINEAR, QUADRATIC, Formats
+from quadshade.choices import GBUFFER_ORDERS, SPACES
+from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Drawing, ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.image import visible
@@ -20,8 +21,6 @@ from quadshade.scene.project import Projected
 from quadshade.shading.sample import SAMPLE_POINTS, surface
 
 NORMAL_CHANNELS = ("nx", "ny", "nz")
-GBUFFER_ORDERS = {"linear": LINEAR, "quadratic": QUADRATIC}
-SPACES = ("camera", "world")
 
 FAR_SHARE = 0.75
 """The scene's farthest point, as a share of the largest depth: the background lies well behind it."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from quadshade.choices import EDGE_KINDS
 from quadshade.contract.formats import Formats
 from quadshade.image import paint, visible
 from quadshade.scene.project import Projected
@@ -16,7 +17,7 @@ from quadshade.shading.sample import sample
 from quadshade.shading.specular import sample_specular, specular_formats
 from quadshade.shading.toon import toon_curves
 from quadshade.style.cartoon import smooth_tones
-from quadshade.style.edges import KINDS, draw_edges, find_edges
+from quadshade.style.edges import draw_edges, find_edges
 from quadshade.style.gbuffer import draw_gbuffer
 from quadshade.style.gooch import gooch_material
 from quadshade.style.hatch import hatch
@@ -30,7 +31,7 @@ def illustrate(
     projected: Projected,
     style: str = "none",
     material: Material | None = None,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = EDGE_KINDS,
     variant: str = "diagonal",
     engine: str = "model",
 ) -> np.ndarray:

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from quadshade.choices import SHADING_ORDERS, SPECULAR_ORDERS
 from quadshade.contract.formats import ORDER_NAMES, QUADRATIC, Formats
 from quadshade.errors import QuadshadeError
-from quadshade.shading import SHADING_ORDERS, SPECULAR_ORDERS
 from quadshade.trade.subdivision import WHOLE, check_subdivision
 
 HEADROOM_BITS = 2

@@ -19,17 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from quadshade.choices import SETUPS
 from quadshade.errors import QuadshadeError
 from quadshade.setup.edges import COLUMN, FIRST_Y, MAJOR_BOTTOM, MAJOR_TOP, MIRROR, STEP
 from quadshade.setup.literature.methods import fit
-
-SETUPS = ("unit", "abbas", "general", "xshading")
-"""
-``unit``      the unit triangle, set up on the pixel lattice with a bound of its own error: the default
-``abbas``     the printed formulas, the bottom vertex at the origin (Abbas et al., section 3)
-``general``   six equations in six unknowns (Barrera et al., equations 8-11)
-``xshading``  the unit triangle, mid-edge samples with the normals of Barrera et al., equation 27
-"""
 
 # The first pixel's X and Y, the row step's X, the column step's X.
 X0, Y0, ROW_X, COLUMN_X, STEP_FIELDS = range(5)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words that options and keywords take, and their small texts. It imports nothing heavy: the help needs it."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC
+from quadshade.errors import QuadshadeError
+
+ENGINES = ("model", "ghdl", "verilator")
+"""What draws: the golden model, the VHDL in GHDL, its netlist in Verilator."""
+
+BOARD_ENGINES = ("verilator", "ghdl", "model")
+"""What simulates a board; the first one where its tools are installed."""
+
+SHADING_ORDERS = {"flat": CONSTANT, "gouraud": LINEAR, "quadratic": QUADRATIC}
+SPECULAR_ORDERS = {"linear-specular": LINEAR, "quadratic-specular": QUADRATIC}
+PHONG = "phong"
+BOARD_SHADINGS = (*SHADING_ORDERS, *SPECULAR_ORDERS)
+"""Shadings that hardware draws; Phong shading is computed in float on the host."""
+
+SHADINGS = (*BOARD_SHADINGS, PHONG)
+DEFAULT_SHADING = "quadratic"
+ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
+
+SETUPS = ("unit", "abbas", "general", "xshading")
+"""
+``unit``      the unit triangle, set up on the pixel lattice with a bound of its own error: the default
+``abbas``     the printed formulas, the bottom vertex at the origin (Abbas et al., section 3)
+``general``   six equations in six unknowns (Barrera et al., equations 8-11)
+``xshading``  the unit triangle, mid-edge samples with the normals of Barrera et al., equation 27
+"""
+
+SAMPLED_SETUPS = tuple(method for method in SETUPS if method != "xshading")
+"""Methods for samples that are given; X-shading takes normals."""
+
+ROUNDINGS = ("joint", "independent")
+STEPPINGS = ("centre", "fractional")
+
+MAX_ERROR = 0.5
+"""Grey levels that the bound may be where a drawing is not told otherwise."""
+
+PACK_ERROR = 1.0 / 32.0
+"""Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
+
+MEASURES = ("max", "rms")
+UNITS = ("bytes", "clocks")
+
+STYLES = ("none", "cartoon", "gooch", "hatch")
+EDGE_KINDS = ("profile", "inner")
+EDGE_VARIANTS = ("diagonal", "eight")
+GBUFFER_ORDERS = {"linear": LINEAR, "quadratic": QUADRATIC}
+SPACES = ("camera", "world")
+
+_BUDGET = re.compile(r"([0-9]{1,15})(bytes|clocks)?")
+
+
+def check_word(what: str, value: object, words: tuple[str, ...]) -> None:
+    """Refuse a word that is not one of some; raises :class:`QuadshadeError`."""
+    if value not in words:
+        raise QuadshadeError(f"the {what} is {value!r}", f"give one of {', '.join(words)}")
+
+
+def parse_budget(value: Any) -> tuple[int, str]:
+    """
+    Number and unit of a budget.
+
+    Parameters
+    ----------
+    value : str, int or tuple of (int, str)
+      For example ``20000bytes``, ``180000clocks``, or a number of bytes.
+
+    Raises
+    ------
+    QuadshadeError
+      Anything else.
+    """
+    text = "".join(map(str, value)) if isinstance(value, tuple) else str(value)
+    match = _BUDGET.fullmatch(text.strip().lower())
+    if not match:
+        raise QuadshadeError(f"{value!r} is not a budget", "write for example 20000bytes or 180000clocks")
+    return int(match[1]), match[2] or UNITS[0]
+
+
+def parse_limit(value: Any) -> float:
+    """Grey levels above 0; raises :class:`QuadshadeError` for anything else."""
+    levels = _number(value)
+    if not 0 < levels < math.inf:
+        raise QuadshadeError(f"{value!r} is not a number of grey levels above 0", "write for example =0.5")
+    return levels
+
+
+def parse_pack_error(value: Any) -> float:
+    """Grey levels from 0; raises :class:`QuadshadeError` for anything else."""
+    levels = _number(value)
+    if not 0 <= levels < math.inf:
+        raise QuadshadeError(f"{value!r} is not a number of grey levels from 0", "write for example 0.0625")
+    return levels
+
+
+def parse_faults(value: Any) -> tuple[float, int]:
+    """
+    Faults a byte and their seed.
+
+    Parameters
+    ----------
+    value : str, float or tuple of (float, int)
+      For example ``1e-3,7``; without a seed it is 1.
+
+    Raises
+    ------
+    QuadshadeError
+      No rate from 0 to 1, or no whole seed.
+    """
+    text = ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+    rate, _, seed = text.partition(",")
+    try:
+        numbers = float(rate), int(seed or 1)
+    except ValueError:
+        numbers = (-1.0, 1)
+    if not 0 <= numbers[0] <= 1:
+        raise QuadshadeError(f"{value!r} is no rate of faults", "write for example 1e-3 or 1e-3,7")
+    return numbers
+
+
+def _number(value: Any) -> float:
+    """A float, or nan for what is none."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return math.nan

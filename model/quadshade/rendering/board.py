@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same on a board: it draws, and the picture is fetched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from quadshade.board import Board, BoardSettings
+from quadshade.board.settings import board_settings
+from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.errors import QuadshadeError
+from quadshade.files.triangle_file import open_triangles
+from quadshade.golden.screen.edge_map import edge_map
+from quadshade.packing.frame_file import read_frame_file
+from quadshade.rendering.draw import adapt_note
+from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
+from quadshade.rendering.picture import Picture, Stats
+from quadshade.rendering.settings import RenderSettings, Reports
+from quadshade.rendering.shade import ShownScene, shade_scene, show_scene
+from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, hatch, sample_normals
+from quadshade.style.edges import VARIANTS
+from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
+
+
+def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) -> None:
+    """Refuse what only engines have."""
+    if engine.waves is not None:
+        raise QuadshadeError("a board has no waves", "leave --port out, and use --engine ghdl")
+    if generics and not port.is_simulated:
+        raise QuadshadeError("--generic is given, and the board's generics are its own", "leave it out")
+
+
+@contextmanager
+def opened(
+    port: PortChoice, settings: BoardSettings | None, engine: EngineChoice, reports: Reports
+) -> Iterator[Board]:
+    """
+    The board at a port, closed at the end; or one that is open already, which stays so.
+
+    Parameters
+    ----------
+    port : PortChoice
+    settings : BoardSettings or None
+      Of a simulated board.
+    engine : EngineChoice
+      What simulates it.
+    reports : Reports
+    """
+    if isinstance(port.port, Board):
+        yield port.port
+        return
+    board = Board(
+        port.port,
+        port.baud,
+        settings=settings,
+        engine=engine.engine if port.is_simulated else None,
+        faults=None if port.faults is None else parse_faults(port.faults),
+        answer_seconds=port.timeout,
+        trace=port.trace,
+        notice=reports.notice,
+        progress=reports.progress,
+    )
+    with board:
+        yield board
+
+
+def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
+    """
+    Draw a scene on a board and fetch what it shows.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+      Styled. Without a size the picture is as large as the board's screen.
+    reports : Reports
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    QuadshadeError
+      What boards do not have, a board that does not answer, or one that shows what it should not.
+    """
+    choice, port, style = settings.scene, settings.port, settings.style
+    _check(port, choice.set_generics, settings.engine)
+    if style.gbuffer is not None:
+        raise QuadshadeError("a board does not say which triangle it shows", "leave out --gbuffer, or --port")
+    if choice.interpolation == PHONG:
+        raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
+    pack_error = parse_pack_error(port.added_error)
+    simulated = _simulated_settings(settings) if port.is_simulated else None
+    with opened(port, simulated, settings.engine, reports) as board:
+        size = (board.width, board.height) if choice.size is None else choice.size
+        settings = settings.of_scene(generics=board.host_formats, size=size)
+        formats = settings.checked()
+        scene = show_scene(settings, formats, reports)
+        reports.step(f"shading {len(scene.projected)} triangles")
+        shaded = shade_scene(settings, scene, formats, reports)
+        triangles = shaded.triangles
+        width, height = triangles.width, triangles.height
+        board.clear(scene.ground)
+        board.draw(triangles, pack_error, **settings.setup.arguments())
+        picture = board.read(width, height, port.verify)
+        picture = style_on_board(settings, picture, scene, board, reports)
+        stats = Stats(
+            generics=board.formats.generics(),
+            scene=choice.name,
+            shading=choice.interpolation if shaded.adapted is None else "adaptive",
+            width=width,
+            height=height,
+            faces=scene.faces,
+            adaptive=None if shaded.adapted is None else shaded.adapted.mix(),
+            port=port.name,
+            line=board.statistics,
+        )
+    note = adapt_note(shaded)
+    summary = (
+        f"{width}x{height}, {len(triangles)} triangles, drawn by the board at {port.name}"
+        + (", as the golden model predicts" if port.verify else "")
+        + (f"; {note}" if note else "")
+    )
+    return Picture(picture, stats, triangles, None, None, (), summary, settings)
+
+
+def _simulated_settings(settings: RenderSettings) -> BoardSettings:
+    """Generics of a simulated board that can draw what is asked for."""
+    choice, style = settings.scene, settings.style
+    given = choice.set_generics
+    size = None if choice.size is None else choice.pixels
+    built = board_settings(None, size, given, choice.interpolation in SPECULAR_ORDERS)
+    if style.style == "cartoon":
+        built = built.with_generics({"num_specular": built.formats.num_channels})
+    if settings.adapt.is_adaptive and choice.shading is None and not given and not style.kinds:
+        # Enough for colours and, of one light, for cosines; edges need a board without shade.
+        built = built.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
+    if style.kinds and _can_draw_gbuffer(built.formats):
+        built = built.with_generics({"with_edge_map": 1})
+    return built
+
+
+def _can_draw_gbuffer(formats: Formats) -> bool:
+    """Whether a board with these generics can draw normals and depth."""
+    try:
+        check_gbuffer(formats, "linear")
+    except QuadshadeError:
+        return False
+    return True
+
+
+def style_on_board(
+    settings: RenderSettings, picture: np.ndarray, scene: ShownScene, board: Board, reports: Reports
+) -> np.ndarray:
+    """
+    What a style makes of a picture that a board has drawn; its edges are drawn by the same board.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+    picture : (h, w, 3) uint8
+    scene : ShownScene
+    board : Board
+    reports : Reports
+
+    Returns
+    -------
+    (h, w, 3) uint8
+    """
+    choice, verify = settings.style, settings.port.verify
+    height, width = picture.shape[:2]
+    if choice.style == "hatch":
+        if board.formats.with_depth:
+            drawn = board.read_depth(width, height, verify) < (1 << board.formats.depth_bits) - 1
+        else:
+            drawn = (picture != np.array(scene.ground)).any(axis=2)
+        picture = hatch(picture, drawn, scene.ground)
+    if not choice.kinds:
+        return picture
+    edges = _edges(settings, scene, board, reports)
+    return draw_edges(picture, edges, choice.kinds, choice.colours)
+
+
+def _edges(settings: RenderSettings, scene: ShownScene, board: Board, reports: Reports) -> EdgeMaps:
+    """The edge map: the board's, that of the board's G-buffer, or the host's own."""
+    choice, verify = settings.style, settings.port.verify
+    order, space, variant = choice.gbuffer_order, choice.gbuffer_space, choice.edge_variant
+    projected, formats = scene.projected, board.formats
+    try:
+        check_gbuffer(formats, order)
+    except QuadshadeError as reason:
+        reports.notice(f"edges drawn by the host, as the board can draw no G-buffer: {reason.message}")
+        return find_edges(draw_gbuffer(projected, Formats(), "model", order, space)[0], variant)
+    placed, _ = with_view_depth(projected, formats)
+    red, green, blue = background_normal(projected.axes, space).tolist()
+    board.clear((red, green, blue))
+    board.draw(sample_normals(placed, order, space, formats), parse_pack_error(settings.port.added_error))
+    plane, size = f"edges_{variant}", (projected.width, projected.height)
+    if board.has_plane(plane):
+        read = board.read_plane(plane, *size, verify)
+        return EdgeMaps(read[..., 0], read[..., 1], variant)
+    reports.notice("edges found by the host in the board's G-buffer, as the board has no edge map")
+    normal, depth = board.read_plane("colour", *size, verify), board.read_depth(*size, verify)
+    maps = edge_map(normal, depth.astype(np.int64), formats.depth_bits, VARIANTS[variant])
+    return EdgeMaps(*maps, variant)
+
+
+@dataclass(frozen=True, eq=False)
+class BoardPlanes:
+    """
+    What a board shows after it drew the triangles of a file.
+
+    Attributes
+    ----------
+    planes : dict of str to array
+      ``colour``, (height, width, channels) uint8, and, where the board has it, ``depth``, (height, width) uint32.
+    picture : (height, width, 3) uint8
+    triangles : int
+    statistics : dict
+      Of the board's line.
+    """
+
+    planes: dict[str, np.ndarray]
+    picture: np.ndarray
+    triangles: int
+    statistics: dict[str, float]
+
+
+def draw_triangles_on_board(
+    path: Path,
+    generics: dict[str, int],
+    setup: SetupChoice,
+    engine: EngineChoice,
+    port: PortChoice,
+    reports: Reports,
+) -> BoardPlanes:
+    """
+    Draw the triangles of a file on a board and fetch what it shows.
+
+    Parameters
+    ----------
+    path : Path
+      A triangles file.
+    generics : dict of str to int
+      Of a simulated board.
+    setup : SetupChoice
+    engine : EngineChoice
+      What simulates it.
+    port : PortChoice
+    reports : Reports
+
+    Returns
+    -------
+    BoardPlanes
+
+    Raises
+    ------
+    QuadshadeError
+      As for :func:`render_on_board`, or a malformed file.
+    """
+    _check(port, generics, engine)
+    settings = None
+    if port.is_simulated:
+        core = {name: value for name, value in generics.items() if name in Formats().generics()}
+        triangles, formats = open_triangles(path, core)
+        given = board_settings(None, (triangles.width, triangles.height), generics)
+        settings = replace(given, formats=formats)
+    with opened(port, settings, engine, reports) as board:
+        wanted = {
+            name: value
+            for name, value in board.formats.generics().items()
+            if name not in ("num_channels", "with_depth", "max_order")
+        }
+        loaded: ScreenTriangles = open_triangles(path, wanted)[0]
+        board.draw(loaded, **setup.arguments())
+        width, height = loaded.width, loaded.height
+        planes = {"colour": board.read_plane("colour", width, height, port.verify)}
+        if board.formats.with_depth:
+            planes["depth"] = board.read_depth(width, height, port.verify)
+        return BoardPlanes(planes, board.as_rgb(planes["colour"]), len(loaded), board.statistics)
+
+
+@dataclass(frozen=True, eq=False)
+class Replayed:
+    """
+    What came of a packed picture.
+
+    Attributes
+    ----------
+    picture : (height, width, 3) uint8 or None
+      If it was to be read.
+    triangles : int
+    statistics : dict
+      Of the board's line.
+    """
+
+    picture: np.ndarray | None
+    triangles: int
+    statistics: dict[str, float]
+
+
+def replay_on_board(
+    path: Path, engine: EngineChoice, port: PortChoice, read: bool, reports: Reports
+) -> Replayed:
+    """
+    Draw a packed picture on a board that has its generics and its screen.
+
+    Parameters
+    ----------
+    path : Path
+      A .qs file.
+    engine : EngineChoice
+      What simulates the board.
+    port : PortChoice
+      Without a port, the one that ``QUADSHADE_PORT`` names.
+    read : bool
+      Whether to read the picture back.
+    reports : Reports
+
+    Returns
+    -------
+    Replayed
+
+    Raises
+    ------
+    QuadshadeError
+      A malformed file, a board with other generics, or one that shows what it should not.
+    """
+    frame = read_frame_file(path)
+    settings = BoardSettings(frame.formats, frame.width, frame.height) if port.is_simulated else None
+    with opened(port, settings, engine, reports) as board:
+        board.replay(frame, verify=port.verify)
+        picture = board.read(verify=port.verify) if read else None
+        return Replayed(picture, frame.triangles, board.statistics)

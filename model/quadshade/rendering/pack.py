@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a board would draw, as the words that go over its line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from quadshade.choices import PHONG, parse_pack_error
+from quadshade.errors import QuadshadeError
+from quadshade.packing.frame_file import FrameFile, encode_frame_file, pack_frame
+from quadshade.rendering.draw import adapt_note
+from quadshade.rendering.settings import RenderSettings, Reports
+from quadshade.rendering.shade import shade_scene, show_scene
+
+
+@dataclass(frozen=True)
+class PackedPicture:
+    """
+    A packed picture.
+
+    Attributes
+    ----------
+    frame : FrameFile
+    content : bytes
+      Of its file.
+    summary : str
+      Size and counts, in a line.
+    """
+
+    frame: FrameFile
+    content: bytes
+    summary: str
+
+
+def pack_picture(
+    settings: RenderSettings, pack_error: float, reports: Reports | None = None
+) -> PackedPicture:
+    """
+    Pack what :func:`quadshade.rendering.draw.render_picture` draws.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+      Style, engine and port are not looked at.
+    pack_error : float
+      Grey levels that shorter words may add.
+    reports : Reports, optional
+
+    Returns
+    -------
+    PackedPicture
+
+    Raises
+    ------
+    QuadshadeError
+      As for :func:`quadshade.rendering.draw.render_picture`, or Phong shading.
+    """
+    reports = reports or Reports()
+    formats = settings.checked()
+    if settings.scene.interpolation == PHONG:
+        raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
+    scene = show_scene(settings, formats, reports)
+    reports.step(f"packing {len(scene.projected)} triangles")
+    shaded = shade_scene(settings, scene, formats, reports)
+    frame, batch = pack_frame(
+        shaded.triangles,
+        shaded.formats,
+        scene.ground,
+        parse_pack_error(pack_error),
+        **settings.setup.arguments(),
+    )
+    size = frame.line_bytes() / max(1, frame.triangles)
+    undefined = int(np.count_nonzero(batch.primitives.undefined))
+    note = adapt_note(shaded)
+    summary = (
+        f"{frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets, "
+        f"{size:.1f} bytes a triangle on the line, at most {batch.added:.4f} grey levels added"
+        + (f", {undefined} packets undefined and drawn as 0" if undefined else "")
+        + (f"; unpacked {note}" if note else "")
+    )
+    return PackedPicture(frame, encode_frame_file(frame), summary)

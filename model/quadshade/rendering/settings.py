@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All that a user asks for, handed over whole, and what excludes what in it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
+
+from quadshade.choices import (
+    ADAPTIVE_SHADINGS,
+    DEFAULT_SHADING,
+    PHONG,
+    SETUPS,
+    SHADING_ORDERS,
+    SPECULAR_ORDERS,
+    STYLES,
+)
+from quadshade.contract.formats import CONSTANT, Formats
+from quadshade.errors import QuadshadeError
+from quadshade.rendering.groups import (
+    COLOUR_CHANNELS,
+    AdaptChoice,
+    EngineChoice,
+    PortChoice,
+    SceneChoice,
+    SetupChoice,
+    StyleChoice,
+)
+from quadshade.style.illustrate import TOON_STEPS
+
+Kind = TypeVar("Kind")
+
+
+def warn(text: str) -> None:
+    """A notice as a Python warning."""
+    warnings.warn(text, stacklevel=4)
+
+
+def _nothing(_: str) -> None:
+    """A step that nobody wants to hear of."""
+
+
+@dataclass(frozen=True)
+class Reports:
+    """
+    Whom to tell while a picture is made.
+
+    Attributes
+    ----------
+    notice : callable
+      Gets a line about what is not as asked; by default it becomes a warning.
+    step : callable
+      Gets what is being done now.
+    progress : callable, optional
+      As for :class:`quadshade.Board`.
+    """
+
+    notice: Callable[[str], None] = warn
+    step: Callable[[str], None] = _nothing
+    progress: Callable[[str, float, float, int], None] | None = None
+
+
+def collect(kind: type[Kind], keywords: Mapping[str, Any]) -> Kind:
+    """An object of a frozen dataclass from the keywords that have the names of its fields."""
+    names = (one.name for one in fields(kind))  # type: ignore[arg-type]
+    return kind(**{name: keywords[name] for name in names if name in keywords})
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """All that :func:`quadshade.render` is asked for."""
+
+    scene: SceneChoice
+    setup: SetupChoice = field(default_factory=SetupChoice)
+    adapt: AdaptChoice = field(default_factory=AdaptChoice)
+    style: StyleChoice = field(default_factory=StyleChoice)
+    engine: EngineChoice = field(default_factory=EngineChoice)
+    port: PortChoice = field(default_factory=PortChoice)
+
+    @classmethod
+    def collect(cls, keywords: Mapping[str, Any]) -> RenderSettings:
+        """
+        Settings from keywords of :func:`quadshade.render`, ``scene`` among them.
+
+        Raises
+        ------
+        QuadshadeError
+          A word or number that is out of range.
+        TypeError
+          A keyword that there is not.
+        """
+        kinds = (SceneChoice, SetupChoice, AdaptChoice, StyleChoice, EngineChoice, PortChoice)
+        unknown = keywords.keys() - {one.name for kind in kinds for one in fields(kind)}
+        if unknown:
+            raise TypeError(f"there is no keyword {', '.join(sorted(unknown))}")
+        return cls(*(collect(kind, keywords) for kind in kinds))
+
+    def of_scene(self, **changes: Any) -> RenderSettings:
+        """The same settings with some of the scene's replaced."""
+        return replace(self, scene=replace(self.scene, **changes))
+
+    def checked(self) -> Formats:
+        """
+        Refuse what contradicts itself, before any work is done; the formats that are asked for.
+
+        Raises
+        ------
+        QuadshadeError
+        """
+        from quadshade.scene.project import check_size
+
+        scene, shading = self.scene, self.scene.interpolation
+        formats = Formats().with_generics(scene.set_generics)
+        check_size(*scene.pixels, formats)
+        if not self.adapt.is_adaptive:
+            _check_orders(shading, formats)
+        elif not formats.with_shade:
+            check_colours(formats)
+        method = self.setup.setup
+        if method != SETUPS[0] and not shading.startswith("quadratic"):
+            raise QuadshadeError(f"--setup {method} is for quadratic channels, the shading is {shading}")
+        if scene.toon is not None and shading not in SPECULAR_ORDERS:
+            raise QuadshadeError(
+                f"--toon with the shading {shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
+            )
+        if self.adapt.is_adaptive:
+            self._check_adaptive()
+        return formats
+
+    def _check_adaptive(self) -> None:
+        """Refuse a shading or set-up that leaves nothing to choose."""
+        shading = self.scene.interpolation
+        if shading not in ADAPTIVE_SHADINGS:
+            raise QuadshadeError(
+                f"the shading is {shading}, and --max-error or --budget chooses it for each triangle",
+                f"leave --shading out, or give {' or '.join(ADAPTIVE_SHADINGS)}",
+            )
+        if self.scene.toon is not None:
+            raise QuadshadeError(
+                "--toon with --max-error or --budget, which are about Phong shading", "leave it out"
+            )
+        if self.setup.setup == "xshading":
+            raise QuadshadeError("--setup xshading takes its own samples", "use another --setup")
+
+    def styled(self) -> RenderSettings:
+        """
+        The settings as a style needs them: white paper, and for a cartoon the shade unit's steps.
+
+        Raises
+        ------
+        QuadshadeError
+          A style with what it excludes.
+        """
+        scene, style = self.scene, self.style.style
+        shading = scene.interpolation
+        excluded: tuple[tuple[bool, str], ...] = ()
+        if style == "cartoon":
+            excluded = (
+                (shading not in (DEFAULT_SHADING, *SPECULAR_ORDERS), f"--shading {shading}"),
+                (self.adapt.is_adaptive, "--max-error or --budget"),
+            )
+        elif style == "gooch":
+            excluded = (
+                (shading in SPECULAR_ORDERS, f"--shading {shading}"),
+                (scene.reflectance is not None, "--reflectance"),
+            )
+        for wrong, what in excluded:
+            if wrong:
+                raise QuadshadeError(
+                    f"--style {style} and {what} exclude each other", "leave one of them out"
+                )
+        if scene.background is None and (style != STYLES[0] or self.style.kinds):
+            scene = replace(scene, background="1")
+        if style == "cartoon":
+            shading = shading if shading in SPECULAR_ORDERS else "quadratic-specular"
+            scene = replace(scene, shading=shading, toon=TOON_STEPS if scene.toon is None else scene.toon)
+        return replace(self, scene=scene)
+
+
+def _check_orders(shading: str, formats: Formats) -> None:
+    """Refuse formats that a shading does not go with."""
+    if shading not in SPECULAR_ORDERS:
+        check_colours(formats)
+    needed = (SHADING_ORDERS | SPECULAR_ORDERS | {PHONG: CONSTANT})[shading]
+    if formats.max_order < needed:
+        raise QuadshadeError(f"generic max_order is {formats.max_order}", f"shading {shading} needs {needed}")
+
+
+def check_colours(formats: Formats) -> None:
+    """The channels that colours need; a shade unit passes three of more."""
+    got = formats.num_channels
+    if got < COLOUR_CHANNELS or (got > COLOUR_CHANNELS and not formats.with_shade):
+        raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {COLOUR_CHANNELS}")
+
+
+COVERAGE_GENERICS = (
+    "with_depth",
+    "word_width",
+    "frac_bits",
+    "value_bits",
+    "depth_bits",
+    "subpixel_bits",
+    "coord_bits",
+    "stream_width",
+)
+"""Generics that say which pixels a core covers, which of them is nearest, and what full intensity is."""
+
+
+def reference_settings(
+    settings: RenderSettings, size: tuple[int, int], generics: Mapping[str, int]
+) -> RenderSettings:
+    """
+    Settings of the picture that one with ``settings`` is compared with: Phong shading over its coverage.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+    size : tuple of int
+      Width and height of the picture.
+    generics : mapping of str to int
+      Of the core that drew it.
+    """
+    kept = {name: generics[name] for name in COVERAGE_GENERICS}
+    plain = RenderSettings(
+        replace(settings.scene, shading=PHONG, size=size, generics=kept),
+        style=replace(settings.style, gbuffer=None),
+        engine=EngineChoice("model"),
+    )
+    return plain

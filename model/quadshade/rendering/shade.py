@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene as its camera sees it, and its triangles with the colours or cosines that are to be interpolated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from quadshade.choices import ADAPTIVE_SHADINGS, PHONG, SPECULAR_ORDERS
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.rendering.groups import SceneChoice
+from quadshade.rendering.settings import RenderSettings, Reports, check_colours
+from quadshade.scene import Camera, Mesh, Projected, build_mesh, load_scene, parse_camera, project
+from quadshade.scene.from_trimesh import mesh_from_trimesh
+from quadshade.shading import (
+    Light,
+    Material,
+    UnsuitedError,
+    default_lights,
+    load_reflectance,
+    parse_light,
+    parse_material,
+    sample,
+    sample_specular,
+    specular_formats,
+    toon_curves,
+)
+from quadshade.shading.sample import widened
+
+if TYPE_CHECKING:
+    from quadshade.adapt import Adapted
+
+
+@dataclass(frozen=True)
+class ShownScene:
+    """
+    A scene from its camera, in its light.
+
+    Attributes
+    ----------
+    projected : Projected
+    lights, surface
+      For :func:`quadshade.shading.sample`.
+    ground : tuple of int
+      Background, 8 bits each.
+    faces : int
+      Of the mesh.
+    """
+
+    projected: Projected
+    lights: tuple[Light, ...] | None
+    surface: Material
+    ground: tuple[int, int, int]
+    faces: int
+
+
+class Shaded(NamedTuple):
+    """What is to be drawn, the formats of a core for it, and what was adapted, if anything was."""
+
+    triangles: ScreenTriangles
+    formats: Formats
+    adapted: Adapted | None
+
+
+def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> ShownScene:
+    """
+    Read a scene and look at it, in the light of its style.
+
+    Raises
+    ------
+    QuadshadeError
+      A wrong camera, light, material or background, or a mesh that cannot be read.
+    """
+    choice = settings.scene
+    given = choice.lights if isinstance(choice.lights, Sequence) else (choice.lights,)
+    texts = (given,) if isinstance(given, str) else given
+    lights = tuple(parse_light(one) if isinstance(one, str) else one for one in texts) or None
+    surface, ground = _material(choice), choice.ground
+    reports.step(f"reading {choice.name}")
+    mesh = _mesh(choice)
+    camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
+    projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
+    if not formats.with_depth:
+        projected = projected.back_to_front()
+    if settings.style.style == "gooch":
+        from quadshade.style import gooch_material
+
+        surface, lights = gooch_material(surface, lights or default_lights(projected.axes))
+    return ShownScene(projected, lights, surface, ground, len(mesh))
+
+
+def _mesh(choice: SceneChoice) -> Mesh:
+    """The scene's mesh, read or as it was given."""
+    if isinstance(choice.scene, str | Path):
+        return load_scene(choice.scene, choice.crease)
+    if isinstance(choice.scene, Mesh):
+        mesh = choice.scene
+        if choice.crease is None:
+            return mesh
+        return build_mesh(mesh.vertices, mesh.faces, crease=choice.crease, colours=mesh.colours)
+    return mesh_from_trimesh(choice.scene, choice.crease)
+
+
+def _material(choice: SceneChoice) -> Material:
+    """The material, with the exponent and the reflectance that stand beside it."""
+    reflectance = choice.reflectance
+    if isinstance(reflectance, str):
+        reflectance = load_reflectance(reflectance)
+    if isinstance(choice.material, str):
+        return parse_material(choice.material, choice.exponent, reflectance)
+    changes = {} if choice.exponent is None else {"exponent": choice.exponent}
+    material = replace(choice.material, **changes)
+    return material if reflectance is None else replace(material, reflectance=reflectance)
+
+
+def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, reports: Reports) -> Shaded:
+    """
+    Shade a scene at the points that its shading needs, or what is cheapest for its error or budget.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+    shown : ShownScene
+    formats : Formats
+      From :meth:`RenderSettings.checked`.
+    reports : Reports
+      Its ``notice`` is told where a scene cannot be drawn as asked, and how it is drawn instead.
+
+    Returns
+    -------
+    Shaded
+
+    Raises
+    ------
+    QuadshadeError
+      A limit that cannot be kept, or formats that do not go with the scene.
+    """
+    if settings.adapt.is_adaptive:
+        adapted = _adapted(settings, shown, formats, reports)
+        return Shaded(adapted.triangles, adapted.formats, adapted)
+    choice = settings.scene
+    shading, x_shading = choice.interpolation, settings.setup.setup == "xshading"
+    projected, lights, surface = shown.projected, shown.lights, shown.surface
+    if shading in SPECULAR_ORDERS:
+        try:
+            curves = None if choice.toon is None else toon_curves(choice.toon, surface.exponent)
+            fitted = specular_formats(
+                choice.set_generics, projected, lights, surface, choice.toon is not None
+            )
+            triangles = sample_specular(projected, shading, lights, surface, fitted, x_shading, curves)
+            return Shaded(triangles, fitted, None)
+        except UnsuitedError as reason:
+            shading = shading.removesuffix("-specular").replace("linear", "gouraud")
+            steps = "" if choice.toon is None else ", without steps"
+            reports.notice(f"drawn as {shading}{steps}: {reason}")
+            check_colours(formats)
+    order = "flat" if shading == PHONG else shading
+    triangles = sample(projected, order, lights, surface, formats, x_shading)
+    return Shaded(widened(triangles, formats.num_channels), formats, None)
+
+
+def _adapted(settings: RenderSettings, shown: ShownScene, formats: Formats, reports: Reports) -> Adapted:
+    """What is to be drawn for an error or a budget; of colours or cosines, whichever takes least."""
+    from quadshade.adapt import adapt
+
+    projected, lights, surface = shown.projected, shown.lights, shown.surface
+    specular, shading = None, settings.scene.shading
+    if shading != ADAPTIVE_SHADINGS[0]:
+        try:
+            specular = specular_formats(settings.scene.set_generics, projected, lights, surface)
+        except UnsuitedError as reason:
+            shading = ADAPTIVE_SHADINGS[0]
+            reports.notice(f"drawn as {shading}: {reason}")
+    arguments = settings.adapt.arguments()
+    return adapt(
+        projected, lights, surface, formats, **arguments, shading=shading or "auto", specular=specular
+    )
