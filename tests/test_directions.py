@@ -17,7 +17,7 @@ PRODUCT = ROOT / "model" / "quadshade"
 LAYERS = (
     {"errors"},
     {"contract"},
-    {"files"},
+    {"choices", "files"},
     {"golden", "image", "link", "scene", "setup"},
     {"engine", "packing", "shading"},
     {"adapt", "style", "synthesis"},

@@ -6,9 +6,9 @@ Quadratic shading on small FPGAs, and a picture in one line.
 
     quadshade.render("sphere:690", exponent=50).save("sphere.png")
 
-``render`` draws a mesh with the golden model, with the VHDL itself, or on a board; ``draw`` draws triangles
-that are on the screen already; ``load_scene`` reads a mesh; ``Board`` is a board; ``Formats`` are the generics
-of the core. Nothing of numba, scipy or an engine is imported before it is needed.
+``render`` draws a mesh with the golden model, the VHDL itself, or a board, and gives a ``Picture``; ``draw``
+draws triangles that are on the screen already; ``load_scene`` reads a mesh; ``Board`` is a board; ``Formats``
+are the generics of the core. Nothing of numba, scipy or an engine is imported before it is needed.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from quadshade.errors import QuadshadeError
 if TYPE_CHECKING:
     from quadshade.board import Board as Board
     from quadshade.contract.formats import Formats as Formats
-    from quadshade.face import draw as draw
-    from quadshade.face import render as render
+    from quadshade.rendering.face import draw as draw
+    from quadshade.rendering.face import render as render
     from quadshade.rendering.picture import Picture as Picture
     from quadshade.scene import load_scene as load_scene
 
@@ -32,9 +32,9 @@ _PLACES = {
     "Board": "quadshade.board",
     "Formats": "quadshade.contract.formats",
     "Picture": "quadshade.rendering.picture",
-    "draw": "quadshade.face",
+    "draw": "quadshade.rendering.face",
     "load_scene": "quadshade.scene",
-    "render": "quadshade.face",
+    "render": "quadshade.rendering.face",
 }
 """Where each public name is defined; it is imported from there when it is first asked for."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words that options and keywords take, and their small texts. It imports nothing heavy: the help needs it."""
+"""The words and small texts that options and keywords take; it imports nothing heavy, for the help's sake."""
 
 from __future__ import annotations
 

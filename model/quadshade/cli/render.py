@@ -68,8 +68,8 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
     quadshade render sphere:690 -o sphere.png --port sim
     """
     with leave_at_once():
-        from quadshade.face import render as render_scene
         from quadshade.files.atomic import check_writable, write_json
+        from quadshade.rendering.face import render as render_scene
         from quadshade.rendering.picture import check_png
 
         if not scene.startswith(("sphere:", "torus:", "cube:")):

@@ -114,8 +114,8 @@ PACK_OPTIONS: list[Decorator] = [
         "Accuracy",
         "--pack-error",
         type=Parsed("GREY", parse_pack_error),
-        help="Grey levels that words with fewer fraction bits may add to a pixel's error; 0 leaves every word "
-        f"and every edge as it is (docs/reference/packing.md).  [default: {PACK_ERROR}]",
+        help="Grey levels that words with fewer fraction bits may add to a pixel's error; 0 leaves every "
+        f"word and every edge as it is (docs/reference/packing.md).  [default: {PACK_ERROR}]",
     )
 ]
 

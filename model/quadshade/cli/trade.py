@@ -26,7 +26,8 @@ def view_options(command: Callable[..., None]) -> Callable[..., None]:
     """The options of ``quadshade render`` that say what is looked at."""
     by_name = {option.name: option for option in render.params}
     declared = getattr(command, "__click_params__", [])
-    command.__click_params__ = [*declared, *(by_name[name] for name in reversed(VIEW))]  # type: ignore[attr-defined]
+    params = [*declared, *(by_name[name] for name in reversed(VIEW))]
+    command.__click_params__ = params  # type: ignore[attr-defined]
     return command
 
 

@@ -31,7 +31,7 @@ def write_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
 
 
 def write_pixels(path: Path, pixels: Pixels) -> None:
-    """Write pixels as NPZ: ``triangle``, ``x``, ``y``, ``value`` and, if there is one, ``depth``, all int32."""
+    """Write pixels as NPZ, all int32: ``triangle``, ``x``, ``y``, ``value``, and any ``depth``."""
     columns = {"triangle": pixels.triangle, "x": pixels.x, "y": pixels.y, "value": pixels.value}
     if pixels.depth is not None:
         columns["depth"] = pixels.depth

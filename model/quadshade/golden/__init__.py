@@ -2,6 +2,8 @@
 """
 The golden model: integers only, one module per RTL unit under the same name.
 
-``raster_core.draw_scalar`` reads like the specification; ``fast`` is the same in numba, a test holds them
+``raster_core.draw_scalar`` reads like the specification; ``compiled`` is the same in numba, a test holds them
 equal; ``clocks`` steps the control registers of the RTL cycle by cycle.
 """
+
+__all__ = ["board", "clocks", "common", "compiled", "core", "link", "screen", "shade"]

@@ -2,8 +2,9 @@
 """
 Mesh to picture as a library: what ``quadshade.render`` and the command line call.
 
-``settings`` is what a user asks for, ``shade`` looks at a scene and shades it, ``draw`` lets an engine draw it
-and ``board`` a board, ``picture`` is what comes out; ``pack`` stops before the board.
+``face`` has the keywords, of which ``settings`` are made (in ``groups``); ``shade`` looks at a scene and
+shades it, ``draw`` lets an engine draw it and ``board`` a board; ``picture`` is what comes out. ``pack``
+stops before the board.
 """
 
 from quadshade.rendering.draw import draw_triangles, render_picture

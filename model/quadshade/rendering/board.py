@@ -33,6 +33,8 @@ def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) 
     """Refuse what only engines have."""
     if engine.waves is not None:
         raise QuadshadeError("a board has no waves", "leave --port out, and use --engine ghdl")
+    if port.is_open and engine.engine is not None:
+        raise QuadshadeError("an engine is given, and the board is open", "leave the engine out")
     if generics and not port.is_simulated:
         raise QuadshadeError("--generic is given, and the board's generics are its own", "leave it out")
 
@@ -220,7 +222,7 @@ class BoardPlanes:
     Attributes
     ----------
     planes : dict of str to array
-      ``colour``, (height, width, channels) uint8, and, where the board has it, ``depth``, (height, width) uint32.
+      ``colour``, (height, width, channels) uint8; where the board has it ``depth``, (height, width) uint32.
     picture : (height, width, 3) uint8
     triangles : int
     statistics : dict

@@ -189,7 +189,7 @@ def draw_style(
 
 
 def adapt_note(shaded: Shaded) -> str:
-    """Bytes and kind of channels of a picture, what the other kind would have taken, and the mix; or nothing."""
+    """Bytes and kind of channels, what the other kind would have taken, and the mix; or nothing."""
     from quadshade.adapt import stream_bytes
 
     adapted = shaded.adapted
@@ -293,6 +293,6 @@ def draw_triangles(
 
 
 def triangle_formats(triangles: ScreenTriangles) -> Formats:
-    """Formats of a core for triangles: their channels, depth, and shade unit, the rest as it is by default."""
+    """Formats of a core for triangles: their channels, depth and shade unit; the rest is the default."""
     shade = {} if triangles.shade is None else {"with_shade": 1, "num_specular": len(triangles.shade.tables)}
     return Formats(num_channels=len(triangles.channels), with_depth=int(triangles.depth is not None), **shade)

@@ -285,6 +285,10 @@ class PortChoice:
             for name in ("baud", "faults", "timeout", "trace", "pack_error"):
                 if getattr(self, name) is not None:
                     raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
+        if self.is_open and (self.baud or self.faults or self.timeout or self.trace):
+            raise QuadshadeError(
+                "the board is open, with its baud, faults, timeout and trace", "leave them out"
+            )
         if self.faults is not None:
             parse_faults(self.faults)
         parse_pack_error(self.added_error)
@@ -297,7 +301,15 @@ class PortChoice:
     @property
     def name(self) -> str:
         """What the port is called in reports."""
-        return str(getattr(self.port, "name", self.port))
+        if isinstance(self.port, str):
+            return self.port
+        session = getattr(self.port, "session", None)
+        return str(getattr(self.port if session is None else session.transport, "name", "board"))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the port is a board that is open already."""
+        return hasattr(self.port, "session")
 
     @property
     def added_error(self) -> float:

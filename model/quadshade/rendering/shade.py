@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as its camera sees it, and its triangles with the colours or cosines that are to be interpolated."""
+"""A scene as its camera sees it, and its triangles with what is to be interpolated over them."""
 
 from __future__ import annotations
 

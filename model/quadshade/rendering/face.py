@@ -78,7 +78,8 @@ def render(
     camera : str or Camera
       As ``--camera``, or an object; what is missing is fitted to the scene.
     lights : str, light, or sequence of them
-      As ``--light``, or objects of :mod:`quadshade.shading`; by default white light that goes with the viewer.
+      As ``--light``, or objects of :mod:`quadshade.shading`; by default white light that goes with the
+      viewer.
     material : str or Material
       As ``--material``, or an object.
     exponent : float, optional
