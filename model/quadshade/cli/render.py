@@ -72,8 +72,8 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
         from quadshade.rendering.face import render as render_scene
         from quadshade.rendering.picture import check_png
 
-        if not scene.startswith(("sphere:", "torus:", "cube:")):
-            import trimesh  # noqa: F401 - what reads it takes it from there
+        if scene.startswith("icosphere:"):
+            import trimesh  # noqa: F401 - what divides it takes it from there
 
     check_png(output)
     keywords = with_board(options)
