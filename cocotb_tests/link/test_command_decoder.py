@@ -13,6 +13,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.command_recorder import CommandRecorder
 from cocotb_tests.support.link_stimuli import body_of, good_payload, random_body
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
@@ -62,33 +63,16 @@ def pattern(**fields: int) -> bytes:
     return bytes(zlib.crc32(seed + bytes([index % 256])) & 0xFF for index in range(fields["count"]))
 
 
-class Effects:
-    """What commands do, one after the other: of the model, and of the ports."""
-
-    def __init__(self) -> None:
-        self.done: list[tuple] = []
-
-    def triangles(self, words: list[int]) -> None:
-        self.done += [("setup", word) for word in words]
-
-    def state(self, address: int, value: int) -> None:
-        self.done.append(("state", address, value))
-
-    def clear(self, colour: int) -> None:
-        self.done.append(("clear", colour))
+class Effects(CommandRecorder):
+    """A board whose pixels and CRCs tell one command from another."""
 
     def read(self, **fields: int) -> bytes:
-        self.done.append(
-            ("read", *(fields[name] for name in ("x", "y", "width", "count", "pixels", "plane")))
-        )
+        super().read(**fields)
         return pattern(**fields)
 
     def frame_crc(self, plane: int) -> int:
-        self.done.append(("frame_crc", plane))
+        super().frame_crc(plane)
         return zlib.crc32(bytes([plane, len(self.done) % 256]))
-
-    def reset(self) -> None:
-        self.done.append(("reset",))
 
 
 class Board:

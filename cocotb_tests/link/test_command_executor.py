@@ -10,6 +10,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
+from cocotb_tests.support.command_recorder import READ_FIELDS, CommandRecorder
 from cocotb_tests.support.link_stimuli import good_payload
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import Opcode
@@ -21,7 +22,7 @@ PORTS = {
     "setup": ("data",),
     "state": ("address", "data"),
     "clear": ("colour",),
-    "read": ("x", "y", "width", "count", "pixels", "plane"),
+    "read": READ_FIELDS,
     "frame_crc": ("plane",),
 }
 
@@ -36,37 +37,13 @@ def test_command_executor(config: Config) -> None:
     simulate("command_executor", config)
 
 
-class Recorder:
-    """What the model's commands do, as the ports say it."""
-
-    def __init__(self) -> None:
-        self.done: list[tuple] = []
-
-    def triangles(self, words: list[int]) -> None:
-        self.done += [("setup", word) for word in words]
-
-    def state(self, address: int, value: int) -> None:
-        self.done.append(("state", address, value))
-
-    def clear(self, colour: int) -> None:
-        self.done.append(("clear", colour))
-
-    def read(self, **fields: int) -> bytes:
-        self.done.append(("read", *(fields[name] for name in PORTS["read"])))
-        return bytes(fields["count"])
-
-    def frame_crc(self, plane: int) -> int:
-        self.done.append(("frame_crc", plane))
-        return 0
-
-
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
 async def commands(dut: Any, source: str, sink: str) -> None:
     bench = Bench(dut, Config, f"commands {source} {sink}")
     inputs = ("core_idle", "fifo_valid", "fifo_data", "frame_crc_done", "frame_crc_value", "result_taken")
     await bench.start(*inputs, *(f"{name}_ready" for name in PORTS))
-    draw, recorder, fifo = bench.draw, Recorder(), FrameFifo(1 << 20)
+    draw, recorder, fifo = bench.draw, CommandRecorder(), FrameFifo(1 << 20)
     words, results = [], []
     for index in range(80):
         opcode = draw.choice(COMMANDS)
