@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import click
 from rich.console import Console
@@ -15,6 +14,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.bitstream import BoardFile, Built, build, program, read_board, tools_of
+from scripts.one_line_errors import Failure, one_line_errors
 
 console = Console(stderr=True)
 HEAD = """\
@@ -25,10 +25,6 @@ Written by `make bitstream BOARD=...`, which builds through GHDL, Yosys and next
 missed. On iCE40 a LUT and the flip-flop behind it are one logic cell.
 
 """
-
-
-class Failure(Exception):
-    """A clock that is missed; exit code 1."""
 
 
 def board_of(name: str | None) -> BoardFile:
@@ -75,6 +71,7 @@ def main() -> None:
 @main.command(name="build")
 @click.option("--board", help="For example ulx3s-85f.")
 @click.option("--seeds", default=5, show_default=True, type=click.IntRange(1, 99), help="Seeds to try.")
+@one_line_errors("bitstream")
 def build_command(board: str | None, seeds: int) -> None:
     """Build a bitstream, and enter it in the report."""
     root, chosen = repository_root(), board_of(board)
@@ -94,17 +91,11 @@ def build_command(board: str | None, seeds: int) -> None:
 
 @main.command(name="program")
 @click.option("--board", help="For example ulx3s-85f.")
+@one_line_errors("bitstream")
 def program_command(board: str | None) -> None:
     """Load a bitstream into a board."""
     print(" ".join(program(board_of(board), repository_root())))
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as error:
-        print(f"bitstream: error: {error}", file=sys.stderr)
-        sys.exit(2)
-    except Failure as failure:
-        print(f"bitstream: failed: {failure}", file=sys.stderr)
-        sys.exit(1)
+    main()

@@ -27,13 +27,13 @@ from rich.table import Table
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import Drawing
 from quadshade.engine import draw
-from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_json
 from quadshade.image import paint, visible, write_png
 from quadshade.image.compare import psnr
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample
 from quadshade.shading.reference import phong
+from scripts.one_line_errors import one_line_errors
 
 SPHERES = (168, 374, 690)
 EXPONENTS = (5, 50)
@@ -229,14 +229,11 @@ def draw_all(size: int, jobs: int, console: Console) -> list[Result]:
     "--output", type=click.Path(path_type=Path), default=Path("build/demo"), show_default=True, help="Folder."
 )
 @click.option("--publish", is_flag=True, help="Write the README's picture and numbers to docs/ as well.")
+@one_line_errors("demo")
 def main(size: int, jobs: int, output: Path, publish: bool) -> None:
     console = Console()
-    try:
-        results = draw_all(size, jobs, console)
-        write_pictures(results, output)
-    except (QuadshadeError, OSError) as error:
-        click.echo(f"demo: error: {error}", err=True)
-        sys.exit(2)
+    results = draw_all(size, jobs, console)
+    write_pictures(results, output)
     console.print(table(results))
     different = [r for r in results if r.difference]
     for r in different:

@@ -30,6 +30,7 @@ from quadshade.engine.tool_runner import run_to_end, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
+from scripts.one_line_errors import one_line_errors
 
 ROOT = Path(__file__).resolve().parents[1]
 FORMAL = ROOT / "formal"
@@ -369,21 +370,18 @@ def summary(outcomes: list[Outcome]) -> Table:
     help="Prove only this; other rows of the report stay (repeatable).",
 )
 @click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="Processes at a time.")
+@one_line_errors("formal")
 def main(only: tuple[str, ...], jobs: int) -> None:
-    try:
-        proofs = load_proofs()
-        unknown = set(only) - {proof.name for proof in proofs}
-        if unknown:
-            raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/*/proofs.toml")
-        outcomes = run_all([proof for proof in proofs if not only or proof.name in only], jobs, show)
-        bad = sum(not outcome.good for outcome in outcomes)
-        Console().print(summary(outcomes))
-        if bad:
-            raise QuadshadeError(f"{bad} of {len(outcomes)} runs did not come out as they must")
-        write_report(proofs, outcomes)
-    except (QuadshadeError, OSError) as error:
-        click.echo(f"formal: error: {error}", err=True)
-        sys.exit(2)
+    proofs = load_proofs()
+    unknown = set(only) - {proof.name for proof in proofs}
+    if unknown:
+        raise QuadshadeError(f"there is no proof {', '.join(sorted(unknown))} in formal/*/proofs.toml")
+    outcomes = run_all([proof for proof in proofs if not only or proof.name in only], jobs, show)
+    bad = sum(not outcome.good for outcome in outcomes)
+    Console().print(summary(outcomes))
+    if bad:
+        raise QuadshadeError(f"{bad} of {len(outcomes)} runs did not come out as they must")
+    write_report(proofs, outcomes)
 
 
 if __name__ == "__main__":

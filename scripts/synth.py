@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 
 import click
@@ -20,15 +19,12 @@ from quadshade.files.atomic import write_text
 from quadshade.synthesis import find_board, find_device, implement
 from quadshade.synthesis import table as resources
 from quadshade.synthesis.flow import Placed
+from scripts.one_line_errors import Failure, one_line_errors
 
 seeds_option = click.option(
     "--seeds", default=5, show_default=True, type=click.IntRange(1, 99), help="Seeds of nextpnr, from 1."
 )
 console = Console(stderr=True)
-
-
-class Failure(Exception):
-    """A clock under its floor, or a table that is not what is measured; exit code 1."""
 
 
 def told(what: str):
@@ -46,6 +42,7 @@ def main() -> None:
 @click.option("--board", help="For example ulx3s-85f: the device in synth/boards.")
 @seeds_option
 @generic_option
+@one_line_errors("synth")
 def run(device: str | None, board: str | None, seeds: int, generics: tuple[str, ...]) -> None:
     """Synthesise the core for one device or board; fails if the table has a higher clock for it."""
     root = repository_root()
@@ -103,6 +100,7 @@ def show(rows: list[dict]) -> None:
 
 @main.command()
 @seeds_option
+@one_line_errors("synth")
 def limits(seeds: int) -> None:
     """Measure every row of the table, the core beside a lone accumulator, and write the table."""
     root = repository_root()
@@ -128,6 +126,7 @@ def limits(seeds: int) -> None:
 
 
 @main.command()
+@one_line_errors("synth")
 def check() -> None:
     """Measure every row again and compare it with the table: the same cells, no clock under its floor."""
     table = resources.read_table(repository_root())
@@ -140,11 +139,4 @@ def check() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except QuadshadeError as error:
-        print(f"synth: error: {error}", file=sys.stderr)
-        sys.exit(2)
-    except Failure as failure:
-        print(f"synth: failed: {failure}", file=sys.stderr)
-        sys.exit(1)
+    main()

@@ -37,7 +37,8 @@ from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
-from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import REPORTS, command_line, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
@@ -291,7 +292,8 @@ def mix_text(scenes: list[dict]) -> list[str]:
     type=click.Path(exists=True, path_type=Path),
     help="Instead of pyvista's.",
 )
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(size: int, exponent: float, steps: int, files: tuple[Path, ...], output: Path) -> None:
     """Draw every fixed choice and the adaptive curves, and write the report."""
     console, material = Console(stderr=True), Material(exponent=exponent)
@@ -306,11 +308,11 @@ def main(size: int, exponent: float, steps: int, files: tuple[Path, ...], output
     names = [path.name for path in files]
     command = command_line("adaptive_vs_fixed", size=size, exponent=exponent, steps=steps, mesh=names)
     settings = f"{size}x{size} pixels, default lights, exponent {exponent:g}, default generics."
-    plot(scenes, output.with_suffix(".png"))
     written = text(scenes, command, settings, not real)
     write_report(output, written, {"command": command, "scenes": scenes})
+    plot(scenes, output.with_suffix(".png"))
     click.echo(written)
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

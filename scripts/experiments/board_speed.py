@@ -9,6 +9,7 @@ Writes docs/reports/boardspeed.md and boardspeed.json.
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import click
 
@@ -16,7 +17,14 @@ from quadshade.board import Board, BoardSettings
 from quadshade.files.markdown import markdown_table
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.shading.sample import sample
-from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import (
+    LICENCE,
+    REPORTS,
+    command_line,
+    output_option,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "boardspeed.md"
 WANTED_RATE, WANTED_SHARE = 100, 0.95
@@ -124,12 +132,14 @@ acknowledgement: drawing hides behind it.
 @click.command(help=__doc__)
 @click.option("--scene", default="sphere:690", show_default=True)
 @click.option("--rounds", default=3, show_default=True, type=click.IntRange(1, 100))
-def main(scene: str, rounds: int) -> None:
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
+def main(scene: str, rounds: int, output: Path) -> None:
     rows = [measure(scene, (160, 120), rounds, clocks) for clocks in (5, 8)]
     results = {"command": command_line("board_speed", scene=scene, rounds=rounds), "rows": rows}
-    write_report(REPORT, report(results), results)
+    write_report(output, report(results), results)
     click.echo(report(results))
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

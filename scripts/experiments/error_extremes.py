@@ -25,7 +25,14 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.files.markdown import markdown_table
 from quadshade.shading.reference import interpolated
-from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    command_line,
+    output_option,
+    paragraph,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "extremes.md"
 FRACTIONS = tuple(range(8, 27, 2))
@@ -304,7 +311,8 @@ compared with those of the same triangles undivided.
 @click.option("--largest", default=4096, show_default=True, help="Largest size, in pixels.")
 @click.option("--triangles", default=16, show_default=True, help="Triangles a size, fewer of the large ones.")
 @click.option("--seed", default=1, show_default=True)
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(largest: int, triangles: int, seed: int, output: Path) -> None:
     """Measure the error over triangle size and fraction."""
     rows, size = [], 8
@@ -315,9 +323,9 @@ def main(largest: int, triangles: int, seed: int, output: Path) -> None:
         size *= 2
     command = command_line("error_extremes", largest=largest, triangles=triangles, seed=seed)
     results = {"command": command, "rows": rows}
-    plot(rows, output.with_suffix(".png"))
     write_report(output, report(results), results)
+    plot(rows, output.with_suffix(".png"))
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -28,6 +27,7 @@ from rich.table import Table
 
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.engine.tool_runner import run_to_end
 from quadshade.errors import QuadshadeError
 from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import draw_fast
@@ -37,7 +37,14 @@ from quadshade.setup.literature.methods import METHODS, kernel_arguments
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
-from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    ROOT,
+    command_line,
+    output_option,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "hostspeed.md"
 SCREEN = 1024
@@ -166,23 +173,12 @@ def peak_memory(stacks: int, slices: int) -> dict:
         "import resource\nfrom quadshade.cli.main import main\n"
         "try: main()\nfinally: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )
+    scene, size = f"sphere:{stacks}x{slices}", f"{SCREEN}x{SCREEN}"
     with tempfile.TemporaryDirectory() as folder:
-        scene, size = f"sphere:{stacks}x{slices}", f"{SCREEN}x{SCREEN}"
-        arguments = [
-            "render",
-            scene,
-            "-o",
-            f"{folder}/out.png",
-            "--engine",
-            "model",
-            "--size",
-            size,
-            "--no-cull",
-        ]
+        command = [sys.executable, "-c", program, "render", scene, "-o", f"{folder}/out.png"]
+        command += ["--engine", "model", "--size", size, "--no-cull"]
         start = time.perf_counter()
-        done = subprocess.run(
-            [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False
-        )
+        done = run_to_end(command, ROOT)
         seconds = time.perf_counter() - start
     if done.returncode:
         raise QuadshadeError(f"quadshade render {scene} failed: {done.stderr.strip()}")
@@ -197,9 +193,8 @@ def peak_memory(stacks: int, slices: int) -> dict:
 def plain_loops() -> dict:
     """What the same functions do with compilation off: run in a process of its own."""
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    done = subprocess.run(
-        [sys.executable, __file__, "--plain"], env=environment, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-m", "scripts.experiments.host_speed", "--plain"]
+    done = run_to_end(command, ROOT, environment=environment)
     if done.returncode:
         raise QuadshadeError(f"the plain loops failed: {done.stderr.strip()}")
     return json.loads(done.stdout)
@@ -339,8 +334,9 @@ or the scalar golden model, measured in the same run, with the same words and pi
 @click.option("--golden", default=10_000, show_default=True, help="Triangles of the golden model's frame.")
 @click.option("--slices", default=500, show_default=True, help="Slices of the spheres of up to 1001 stacks.")
 @click.option("--repeats", default=7, show_default=True, help="Repetitions, of which the fastest counts.")
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
 @click.option("--plain", is_flag=True, hidden=True, help="Print what runs with compilation off.")
+@one_line_errors(REPORT.stem)
 def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain: bool) -> None:
     """Measure the host's speed on one core and write the tables."""
     if plain:
@@ -359,4 +355,4 @@ def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -28,7 +28,8 @@ from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong
-from scripts.experiments.report_writer import LICENCE, REPORTS, run_command, write_report
+from scripts.experiments.report_writer import LICENCE, REPORTS, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "link_bytes.md"
 WIDTH, HEIGHT = 320, 240
@@ -190,7 +191,8 @@ by {largest} grey level{"s" * (largest != 1)} at most.
 
 @click.command(help=__doc__)
 @click.option("--scene", "scenes", multiple=True, default=SCENES, show_default=True, help="Repeatable.")
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(scenes: tuple[str, ...], output: Path) -> None:
     rows = [
         row
@@ -205,4 +207,4 @@ def main(scenes: tuple[str, ...], output: Path) -> None:
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -26,7 +26,14 @@ from quadshade.link.faults import FaultInjector
 from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport
-from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import (
+    LICENCE,
+    REPORTS,
+    command_line,
+    output_option,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "faults.md"
 RATES = {1e-4: 1, 1e-3: 10, 1e-2: 40}
@@ -235,7 +242,8 @@ Written by `make faults` (`{command}`); the wire format is in
 @click.option("--frames", default=1_020_000, show_default=True, help="Faults into frames; 0 for none.")
 @click.option("--sessions", default=12_000, show_default=True, help="Faults into sessions; 0 for none.")
 @click.option("--seed", default=1, show_default=True)
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report on frames to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(frames: int, sessions: int, seed: int, output: Path) -> None:
     good = True
     if frames:
@@ -261,4 +269,4 @@ Sessions that send 20,000 set-up words each to the model of the board, faults bo
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -37,7 +37,14 @@ from quadshade.link.transport import FaultyTransport, open_transport
 from quadshade.packing.frame_file import FrameFile, line_bytes, pack_frame
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import sample
-from scripts.experiments.report_writer import LICENCE, REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import (
+    LICENCE,
+    REPORTS,
+    command_line,
+    output_option,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "faults_rtl.md"
 WIDTH, HEIGHT = 40, 30
@@ -264,7 +271,8 @@ def table(runs: list[FaultRun]) -> str:
 @click.option("--faults", default=1100, show_default=True, help="At least so many.")
 @click.option("--noise", default=200_000, show_default=True, help="Random bytes.")
 @click.option("--seed", default=1, show_default=True)
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(faults: int, noise: int, seed: int, output: Path) -> None:
     settings = BoardSettings(screen_width=WIDTH, screen_height=HEIGHT)
     frames, short = (
@@ -327,4 +335,4 @@ byte to the last acknowledgement.
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

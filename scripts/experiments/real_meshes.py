@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
+
+from quadshade.engine.tool_runner import run_to_end
 
 PACKAGE = "pyvista"
 REAL = ("airplane.ply", "ant.ply", "nut.ply")
@@ -15,7 +16,7 @@ REAL = ("airplane.ply", "ant.ply", "nut.ply")
 def real_meshes(folder: Path) -> list[Path]:
     """Meshes out of the wheel that pip downloads; empty where it cannot."""
     command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(folder), PACKAGE]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_to_end(command, folder)
     wheels = list(folder.glob(f"{PACKAGE}-*.whl"))
     if done.returncode or not wheels:
         return []

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all experiments do alike: report and numbers, the command that wrote them, errors in one line."""
+"""What all experiments do alike: the report, its numbers, and the command that wrote them."""
 
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from textwrap import fill
 from typing import Any
 
-from quadshade.errors import QuadshadeError
+import click
+
 from quadshade.files.atomic import write_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -60,6 +60,12 @@ def rows_as_json(content: Any, indent: str = "") -> str:
     return f"{opening}\n{further}" + f",\n{further}".join(inner) + f"\n{indent}{closing}"
 
 
+def output_option(report: Path) -> Callable[[Any], Any]:
+    """The option ``--output``: another place for a report, its numbers and its plots."""
+    path = click.Path(path_type=Path, dir_okay=False)
+    return click.option("--output", default=report, type=path, help="Report to write.")
+
+
 def write_report(report: Path, text: str, numbers: Any = None) -> None:
     """
     Write a report, and its numbers as JSON beside it, each whole or not at all.
@@ -81,12 +87,3 @@ def write_report(report: Path, text: str, numbers: Any = None) -> None:
     if numbers is not None:
         write_text(report.with_suffix(".json"), rows_as_json(numbers) + "\n")
     write_text(report, text)
-
-
-def run_command(experiment: Callable[[], object], report: Path) -> None:
-    """Run the command of a report; bad input and missing tools are one line and exit code 2."""
-    try:
-        experiment()
-    except (QuadshadeError, OSError) as problem:
-        print(f"{report.stem}: error: {problem}", file=sys.stderr)
-        sys.exit(2)

@@ -8,11 +8,14 @@ Writes docs/reports/screen.md and .json.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from quadshade.files.markdown import markdown_table
 from quadshade.synthesis import find_device, implement
-from scripts.experiments.report_writer import LICENCE, REPORTS, run_command, write_report
+from scripts.experiments.report_writer import LICENCE, REPORTS, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "screen.md"
 LARGE = {"width": 320, "height": 240}
@@ -75,14 +78,16 @@ defaults; a carry cell of ECP5 counts as two LUT4. [What the units do](../refere
 @click.option(
     "--seeds", type=click.IntRange(0), default=1, show_default=True, help="Runs of nextpnr; 0: none."
 )
-def main(seeds: int) -> None:
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
+def main(seeds: int, output: Path) -> None:
     rows = []
     for unit, device, generics in CASES:
         rows.append(measure(unit, device, generics, seeds))
         click.echo(f"{unit} {device} {generics}: {rows[-1]}")
     results = {"seeds": seeds, "rows": rows}
-    write_report(REPORT, report(results), results)
+    write_report(output, report(results), results)
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -21,7 +21,14 @@ from quadshade.files.markdown import markdown_table
 from quadshade.setup.literature.general_solution import general_in
 from quadshade.setup.literature.methods import terms_in
 from quadshade.setup.triangle_setup import setup_triangles
-from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    command_line,
+    output_option,
+    paragraph,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "stability.md"
 METHODS = ("abbas", "general", "unit_triangle", "x_shading")
@@ -368,15 +375,16 @@ Triangles of about 200 pixels.
 @click.command()
 @click.option("--triangles", default=24, show_default=True, help="Triangles a case.")
 @click.option("--seed", default=1, show_default=True)
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(triangles: int, seed: int, output: Path) -> None:
     """Measure the set-up methods against exact rationals."""
     command = command_line("setup_stability", triangles=triangles, seed=seed)
     results = {"command": command, "rows": sweep(triangles, seed)}
-    plot(results["rows"], output.with_suffix(".png"))
     write_report(output, report(results), results)
+    plot(results["rows"], output.with_suffix(".png"))
     click.echo(advice(results["rows"]))
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -20,7 +20,8 @@ from quadshade.image.compare import psnr
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong
-from scripts.experiments.report_writer import LICENCE, REPORTS, ROOT, run_command, write_report
+from scripts.experiments.report_writer import LICENCE, REPORTS, ROOT, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 from scripts.readme import replace_block
 
 REPORT = REPORTS / "shade.md"
@@ -69,7 +70,7 @@ def table(rows: list[dict]) -> str:
         (row["camera"], row["triangles"], row["exponent"], *(f"{row[name]:.1f}" for name in COLUMNS))
         for row in rows
     ]
-    return markdown_table(header, cells) + "\n"
+    return markdown_table(header, cells)
 
 
 def report(results: dict) -> str:
@@ -77,12 +78,13 @@ def report(results: dict) -> str:
     title = f"{LICENCE}\n# Spheres against Phong shading\n\n"
     about = f"PSNR in dB, {results['size']}x{results['size']}, 8 bits, default lights; `make shade-table`"
     about += " ([about](../explanation/shade.md)).\n\n"
-    return f"{title}{about}{table(results['rows'])}"
+    return f"{title}{about}{table(results['rows'])}\n"
 
 
 @click.command(help=__doc__)
 @click.option("--size", default=512, show_default=True, help="Pixels a side.")
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(size: int, output: Path) -> None:
     rows = [
         {"camera": camera, "triangles": triangles, "exponent": exponent}
@@ -94,9 +96,9 @@ def main(size: int, output: Path) -> None:
     results = {"size": size, "rows": rows}
     write_report(output, report(results), results)
     if output == REPORT:
-        write_text(PAGE, replace_block(PAGE.read_text(), "shade", table(rows)))
-    click.echo(table(rows), nl=False)
+        write_text(PAGE, replace_block(PAGE.read_text(), "shade", table(rows), PAGE.name))
+    click.echo(table(rows))
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -37,7 +37,8 @@ from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import DEFAULT_LIGHTS, Material, sample
-from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import REPORTS, command_line, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "simspeed.md"
 LEAST_RATIO = 100
@@ -117,7 +118,8 @@ def versions() -> str:
 @click.option("--scene", default="sphere:690", show_default=True)
 @click.option("--size", default=512, show_default=True, help="Pixels a side.")
 @click.option("--copies", default=50, show_default=True, help="How often Verilator draws the scene.")
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(scene: str, size: int, copies: int, output: Path) -> None:
     console = Console()
     formats = Formats()
@@ -161,4 +163,4 @@ in GHDL once, in Verilator {copies} times over; the pixels are the same.
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -9,6 +9,8 @@ Writes docs/reports/throughput.md and throughput.json.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 import numpy as np
 from rich.console import Console
@@ -24,7 +26,8 @@ from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import draw_fast
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
-from scripts.experiments.report_writer import REPORTS, command_line, run_command, write_report
+from scripts.experiments.report_writer import REPORTS, command_line, output_option, write_report
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "throughput.md"
 SCREEN = 1024
@@ -197,7 +200,9 @@ def report(results: dict) -> str:
 )
 @click.option("--triangles", default=1000, show_default=True, help="Triangles a class.")
 @click.option("--seed", default=1, show_default=True)
-def main(engine: str, triangles: int, seed: int) -> None:
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
+def main(engine: str, triangles: int, seed: int, output: Path) -> None:
     """Measure clocks per covered pixel in simulation and write the table."""
     rows = measure_all(engine, triangles, np.random.default_rng(seed))
     table = Table(*HEADER)
@@ -208,8 +213,8 @@ def main(engine: str, triangles: int, seed: int) -> None:
     console.print(table)
     command = command_line("throughput", engine=engine, triangles=triangles, seed=seed)
     results = {"command": command, "rows": rows}
-    write_report(REPORT, report(results), results)
+    write_report(output, report(results), results)
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

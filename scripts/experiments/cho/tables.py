@@ -33,10 +33,11 @@ from scripts.experiments.report_writer import (
     LICENCE,
     REPORTS,
     command_line,
+    output_option,
     paragraph,
-    run_command,
     write_report,
 )
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "cho.md"
 SIZES = (256, 512)
@@ -361,7 +362,8 @@ def text(data: dict) -> str:
     "--repeats", default=3, show_default=True, type=click.IntRange(1), help="The least time counts."
 )
 @click.option("--exponent", default=50.0, show_default=True, help="Specular exponent.")
-@click.option("--output", type=click.Path(path_type=Path), default=REPORT, help="The report's .md file.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(scene: str, sizes: tuple[int, ...], views: int, repeats: int, exponent: float, output: Path) -> None:
     """Draw every scheme from all sides, and write the report."""
     mesh = teapot() if scene == "teapot" else load_scene(scene)
@@ -383,4 +385,4 @@ def main(scene: str, sizes: tuple[int, ...], views: int, repeats: int, exponent:
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -35,7 +35,14 @@ from scripts.experiments.continuity.mach_bands import (
     shades,
     view,
 )
-from scripts.experiments.report_writer import REPORTS, command_line, paragraph, run_command, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    command_line,
+    output_option,
+    paragraph,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "continuity.md"
 STEPPINGS = ("centre", "fractional")
@@ -258,7 +265,8 @@ Against the float quadratic the fractional loop loses {span(own_loss)} dB, again
 @click.option("--frames", "count", default=8, show_default=True, help="Frames of the turning scenes.")
 @click.option("--frame-size", default=256, show_default=True, help="Pixels of these frames.")
 @click.option("--degrees", default=0.25, show_default=True, help="Turn between two frames.")
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(size: int, count: int, frame_size: int, degrees: float, output: Path) -> None:
     """Measure Mach bands, and what the paper's fractional-edge stepping costs."""
     command = command_line(
@@ -269,9 +277,9 @@ def main(size: int, count: int, frame_size: int, degrees: float, output: Path) -
         "mach_bands": mach_bands(size, SCENES),
         "steppings": steppings(frame_size, count, degrees),
     }
-    plot(output.with_suffix(".png"))
     write_report(output, report(results), results)
+    plot(output.with_suffix(".png"))
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

@@ -35,7 +35,15 @@ from scripts.experiments.edges.classify import (
     visible_edges,
 )
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
-from scripts.experiments.report_writer import LICENCE, REPORTS, ROOT, command_line, run_command, write_report
+from scripts.experiments.report_writer import (
+    LICENCE,
+    REPORTS,
+    ROOT,
+    command_line,
+    output_option,
+    write_report,
+)
+from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "edges.md"
 GENERATED = ("sphere:690", "torus:1152", "cube:2")
@@ -208,7 +216,8 @@ def text(scenes: list[dict], command: str, size: int, missing: bool) -> str:
     "--size", default=400, show_default=True, type=click.IntRange(16, 4096), help="Pixels each way."
 )
 @click.option("--mesh", "files", multiple=True, type=click.Path(exists=True, path_type=Path))
-@click.option("--output", default=REPORT, type=click.Path(path_type=Path), help="Report to write.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
 def main(size: int, files: tuple[Path, ...], output: Path) -> None:
     output.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
@@ -233,4 +242,4 @@ def main(size: int, files: tuple[Path, ...], output: Path) -> None:
 
 
 if __name__ == "__main__":
-    run_command(main, REPORT)
+    main()

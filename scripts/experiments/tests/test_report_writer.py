@@ -11,7 +11,8 @@ import pytest
 from quadshade.errors import QuadshadeError
 from quadshade.files.markdown import markdown_table
 from scripts.experiments import board_speed, report_writer, throughput
-from scripts.experiments.report_writer import command_line, rows_as_json, run_command, write_report
+from scripts.experiments.report_writer import command_line, rows_as_json, write_report
+from scripts.one_line_errors import Failure, one_line_errors
 
 VALUES = [
     {},
@@ -47,14 +48,26 @@ def test_a_report_and_its_numbers_stand_side_by_side(tmp_path: Path) -> None:
     assert len(list((tmp_path / "new").iterdir())) == 2
 
 
-def test_an_error_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("problem", "code", "said"),
+    [
+        (QuadshadeError("no such mesh", "give another"), 2, "adapt: error: no such mesh; give another\n"),
+        (FileNotFoundError(2, "gone", "x"), 2, "adapt: error: [Errno 2] gone: 'x'\n"),
+        (Failure("too slow"), 1, "adapt: failed: too slow\n"),
+    ],
+    ids=["bad input", "a file", "a check"],
+)
+def test_an_error_is_one_line(
+    problem: Exception, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @one_line_errors("adapt")
     def experiment() -> None:
-        raise QuadshadeError("no such mesh", "give another")
+        raise problem
 
     with pytest.raises(SystemExit) as left:
-        run_command(experiment, Path("adapt.md"))
-    assert left.value.code == 2
-    assert capsys.readouterr().err == "adapt: error: no such mesh; give another\n"
+        experiment()
+    assert left.value.code == code
+    assert capsys.readouterr().err == said
 
 
 def test_a_table_has_a_cell_a_column() -> None:

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How every script ends that cannot do what it was asked: one line on stderr, and an exit code."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar
+
+import click
+
+from quadshade.errors import QuadshadeError
+
+BAD_INPUT = 2
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+
+
+class Failure(Exception):
+    """What was measured is not what it has to be; exit code 1."""
+
+
+def one_line_errors(name: str) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
+    """
+    Say bad input, a missing tool or a failed check in one line, instead of a traceback.
+
+    Parameters
+    ----------
+    name : str
+      Of the script, which the line begins with.
+
+    Returns
+    -------
+    callable
+      A decorator of a command's function; it goes below click's own.
+    """
+
+    def decorate(work: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+        @functools.wraps(work)
+        def run(*arguments: Parameters.args, **options: Parameters.kwargs) -> Result:
+            try:
+                return work(*arguments, **options)
+            except (QuadshadeError, OSError) as problem:
+                click.echo(f"{name}: error: {problem}", err=True)
+                sys.exit(BAD_INPUT)
+            except Failure as failure:
+                click.echo(f"{name}: failed: {failure}", err=True)
+                sys.exit(1)
+
+        return run
+
+    return decorate
