@@ -23,7 +23,10 @@ LARGE := render_core or board
 
 .PHONY: help
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z_-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^##@/ {print "\n" substr($$0, 5)} \
+	  /^[a-z_-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+##@ Product
 
 .PHONY: setup
 setup: tools .venv/installed ## install what is missing: simulators (apt), a .venv with the pinned packages
@@ -32,40 +35,78 @@ setup: tools .venv/installed ## install what is missing: simulators (apt), a .ve
 demo: setup ## draw the six spheres through the VHDL, check every pixel, write build/demo/*.png
 	@$(VENV) -m scripts.demo
 
+.PHONY: report
+report: setup ## what accuracy costs, as a page: build/report/index.html; goes on after a kill
+	@$(VENV) -m quadshade.trade.page --jobs $(JOBS)
+
+.venv/installed: requirements.txt pyproject.toml | tools
+	@echo "setup: installing the pinned Python packages into .venv"
+	@$(PYTHON) -m venv .venv
+	@$(VENV) -m pip install -q --disable-pip-version-check -r requirements.txt
+	@$(VENV) -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+##@ Development
+
 .PHONY: test
 test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed, WAVES=1 keeps waves
 	@$(PYTEST) $(TESTS) $(if $(T),-k '$(T)')
 
-.PHONY: docs
-docs: setup ## build the documentation as a site, with the RTL's timing diagrams: build/docs/
-	@$(VENV) -m scripts.docs
+.PHONY: test-netlist
+test-netlist: export QUADSHADE_SIM := icarus
+test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
+	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
+	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
+	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 
 .PHONY: lint
 lint: setup ## check style, file hygiene, generated files and that the RTL analyses and synthesises
 	@$(PYTEST) -q tests/test_lint.py
 
+.PHONY: format
+format: setup ## format the Python files
+	@$(VENV) -m ruff check -q --fix . && $(VENV) -m ruff format -q .
+
+.PHONY: formal
+formal: setup ## prove units and core over their netlists; writes docs/reports/formal.md; T=name
+	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
+
+.PHONY: rtl
+rtl: setup ## write rtl/generated/ from their Python sources
+	@$(VENV) -m scripts.generate_vhdl
+
+.PHONY: docs
+docs: setup ## build the documentation as a site, with the RTL's timing diagrams: build/docs/
+	@$(VENV) -m scripts.docs
+
+.PHONY: readme
+readme: setup ## run the demo and write the first picture and the tables of README and pages
+	@$(VENV) -m scripts.demo --publish
+	@$(VENV) -m scripts.readme
+
+.PHONY: report-image
+report-image: setup ## the report, and the README's picture of it
+	@$(VENV) -m quadshade.trade.page --jobs $(JOBS) --screenshot docs/images/report.png
+
+.PHONY: tools
+tools: ## install what comes from the system (simulators, venv), through apt
+	@scripts/install_tools.sh
+
+.PHONY: clean
+clean: ## remove everything that was built, but not the .venv
+	@rm -rf build .pytest_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
+
+.PHONY: pictures
+pictures: export QUADSHADE_WRITE_PICTURES := 1
+pictures: setup ## run every command of README and pages, and write the pictures that they show
+	@$(PYTEST) tests/test_documents.py
+
+##@ Reports, in docs/reports
+
 .PHONY: throughput
 throughput: setup ## measure clocks per pixel in simulation, write docs/reports/throughput.md
 	@$(VENV) -m scripts.experiments.throughput
-
-.PHONY: hostspeed
-hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
-	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed
-
-.PHONY: stability
-stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
-	@$(VENV) -m scripts.experiments.setup_stability
-.PHONY: shade-table
-shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
-	@$(VENV) -m scripts.experiments.shade_table
-
-.PHONY: extremes
-extremes: setup ## measure error over triangle size and fraction, write docs/reports/extremes.md
-	@$(VENV) -m scripts.experiments.error_extremes
-
-.PHONY: continuity
-continuity: setup ## measure Mach bands and fractional stepping, write docs/reports/continuity.md
-	@$(VENV) -m scripts.experiments.continuity.report
 
 .PHONY: simspeed
 simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/reports/simspeed.md
@@ -75,36 +116,29 @@ simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/r
 boardspeed: setup ## triangles a second, line load of the simulated board; docs/reports/boardspeed.md
 	@$(VENV) -m scripts.experiments.board_speed
 
-.PHONY: faults
-faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
-	@$(VENV) -m scripts.experiments.link_faults
+.PHONY: hostspeed
+hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed
 
-.PHONY: faults-rtl
-faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
-	@$(VENV) -m scripts.experiments.link_faults_rtl
+.PHONY: stability
+stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
+	@$(VENV) -m scripts.experiments.setup_stability
 
-.PHONY: linkbytes
-linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
-	@$(VENV) -m scripts.experiments.link_bytes
+.PHONY: extremes
+extremes: setup ## measure error over triangle size and fraction, write docs/reports/extremes.md
+	@$(VENV) -m scripts.experiments.error_extremes
 
-.PHONY: report
-report: setup ## what accuracy costs, as a page: build/report/index.html; goes on after a kill
-	@$(VENV) -m quadshade.trade.page --jobs $(JOBS)
-
-.PHONY: report-image
-report-image: setup ## the report, and the README's picture of it
-	@$(VENV) -m quadshade.trade.page --jobs $(JOBS) --screenshot docs/images/report.png
-
-.PHONY: test-netlist
-test-netlist: export QUADSHADE_SIM := icarus
-test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
-	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
-	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
-	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
+.PHONY: continuity
+continuity: setup ## measure Mach bands and fractional stepping, write docs/reports/continuity.md
+	@$(VENV) -m scripts.experiments.continuity.report
 
 .PHONY: adapt
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
 	@$(VENV) -m scripts.experiments.adaptive_vs_fixed
+
+.PHONY: shade-table
+shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
+	@$(VENV) -m scripts.experiments.shade_table
 
 .PHONY: edges
 edges: setup ## edge maps against the mesh's edges; docs/reports/edges.md, docs/images/styles.png
@@ -114,45 +148,24 @@ edges: setup ## edge maps against the mesh's edges; docs/reports/edges.md, docs/
 cho: setup ## Cho's tables on a teapot of 896 triangles, 60 views; writes docs/reports/cho.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.cho.tables
 
-.PHONY: formal
-formal: setup ## prove units and core over their netlists; writes docs/reports/formal.md; T=name
-	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
+.PHONY: linkbytes
+linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
+	@$(VENV) -m scripts.experiments.link_bytes
 
-.PHONY: readme
-readme: setup ## run the demo and write the first picture and the tables of README and pages
-	@$(VENV) -m scripts.demo --publish
-	@$(VENV) -m scripts.readme
+.PHONY: faults
+faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
+	@$(VENV) -m scripts.experiments.link_faults
 
-.PHONY: pictures
-pictures: export QUADSHADE_WRITE_PICTURES := 1
-pictures: setup ## run every command of README and pages, and write the pictures that they show
-	@$(PYTEST) tests/test_documents.py
+.PHONY: faults-rtl
+faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
+	@$(VENV) -m scripts.experiments.link_faults_rtl
 
-.PHONY: rtl
-rtl: setup ## write rtl/generated/ from their Python sources
-	@$(VENV) -m scripts.generate_vhdl
+.PHONY: screen
+screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
+	@JOBS=$(JOBS) $(VENV) -m scripts.experiments.screen_area --seeds $(SEEDS)
 
-.PHONY: format
-format: setup ## format the Python files
-	@$(VENV) -m ruff check -q --fix . && $(VENV) -m ruff format -q .
+##@ Hardware
 
-.PHONY: clean
-clean: ## remove everything that was built, but not the .venv
-	@rm -rf build .pytest_cache .ruff_cache .hypothesis
-	@find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
-
-.PHONY: tools
-tools: ## install what comes from the system (simulators, venv), through apt
-	@scripts/install_tools.sh
-
-.venv/installed: requirements.txt pyproject.toml | tools
-	@echo "setup: installing the pinned Python packages into .venv"
-	@$(PYTHON) -m venv .venv
-	@$(VENV) -m pip install -q --disable-pip-version-check -r requirements.txt
-	@$(VENV) -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@touch $@
-
-# --- synthesis: begin
 DEVICE ?=
 BOARD ?=
 SEEDS ?= 5
@@ -173,9 +186,9 @@ limits: setup ## the core beside a lone accumulator on every device of the table
 	@JOBS=$(JOBS) $(VENV) -m scripts.synth limits --seeds $(SEEDS)
 	@$(VENV) -m scripts.readme
 
-.PHONY: screen
-screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
-	@JOBS=$(JOBS) $(VENV) -m scripts.experiments.screen_area --seeds $(SEEDS)
+.PHONY: synth-check
+synth-check: setup ## measure the table synth/resources.json again and compare (slow)
+	@JOBS=$(JOBS) $(VENV) -m scripts.synth check
 
 .PHONY: bitstream
 bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f, icebreaker
@@ -184,8 +197,3 @@ bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx
 .PHONY: program
 program: setup ## load that bitstream into the board, with openFPGALoader, fujprog or iceprog
 	@$(VENV) -m scripts.bitstream program $(if $(BOARD),--board $(BOARD))
-
-.PHONY: synth-check
-synth-check: setup ## measure the table synth/resources.json again and compare (slow)
-	@JOBS=$(JOBS) $(VENV) -m scripts.synth check
-# --- synthesis: end

@@ -155,7 +155,11 @@ def test_layout_stems() -> None:
 
 
 @pytest.mark.parametrize(
-    "root", ["rtl", "cocotb_tests", "formal", "model/quadshade", "synth", "sim", "tests"]
+    "root",
+    [
+        *("rtl", "cocotb_tests", "formal", "model/quadshade", "synth", "sim", "tests"),
+        *("scripts", "scripts/experiments"),
+    ],
 )
 def test_folders_say_what_is_in_them(root: str) -> None:
     """The README of a folder has a row for each folder in it, and rows only for what is there."""
