@@ -16,6 +16,7 @@ from urllib.parse import unquote
 from scripts.docs.entity import ROOT
 
 LINK = re.compile(r"(\]\()([^)#\s]*)((?:#[^)\s]*)?[^)]*\))")
+DRAWING = re.compile(r"!\[([^\]]*)\]\(([^)\s]*drawing_\w+\.svg)\)")
 LANGUAGES = {
     ".py": "python",
     ".vhd": "vhdl",
@@ -79,9 +80,16 @@ def convert(text: str, path: PurePosixPath, wanted: set[PurePosixPath]) -> str:
         wanted.add(linked)
         return f"{start}{os.path.relpath(place_of(linked), here)}{end}"
 
+    text = DRAWING.sub(lambda found: _inline(ROOT / path.parent / found[2], found[1]), text)
     return "".join(
         part if is_code else LINK.sub(replaced, part) for is_code, part in _parts(_as_python_markdown(text))
     )
+
+
+def _inline(drawing: Path, title: str) -> str:
+    """A drawing as part of its page, with the page's font and colours."""
+    picture = re.sub(r'<!--.*?-->\n| font-family="[^"]*"', "", drawing.read_text())
+    return f'<div class="wide" aria-label="{title}" data-search-exclude>{picture}</div>'
 
 
 def source_page(path: PurePosixPath) -> str:

@@ -29,6 +29,7 @@ PROJECT = [PurePosixPath(name) for name in ("README.md", "CONTRIBUTING.md", "CHA
 HEADINGS = {"python": "Python packages"}
 """Of folders in those, where it is not the folder's name."""
 
+WANTED_DIAGRAM = re.compile(r"<!-- timing diagram: (\w+) -->")
 START = PurePosixPath("docs/README.md")
 
 
@@ -50,7 +51,7 @@ def build_site(output: Path, diagram_of: Callable[[Unit], str]) -> None:
     mkdocs.exceptions.Abort
       MkDocs warned of something.
     """
-    pages = all_pages(generated_pages(diagram_of))
+    pages = all_pages(generated_pages(diagram_of), diagram_of)
     sources = output.with_name(f"{output.name}_sources")
     write_sources(pages, sources)
     logging.basicConfig(format="docs: %(levelname)s: %(message)s", level=logging.WARNING)
@@ -79,7 +80,9 @@ def generated_pages(diagram_of: Callable[[Unit], str]) -> dict[PurePosixPath, st
     return pages
 
 
-def all_pages(generated: dict[PurePosixPath, str]) -> dict[PurePosixPath, str]:
+def all_pages(
+    generated: dict[PurePosixPath, str], diagram_of: Callable[[Unit], str]
+) -> dict[PurePosixPath, str]:
     """
     Every page of the site with its links as the site has them, and every image with no text.
 
@@ -87,7 +90,10 @@ def all_pages(generated: dict[PurePosixPath, str]) -> dict[PurePosixPath, str]:
     ----------
     generated : dict
       Pages by their places; they replace those that stand there.
+    diagram_of : callable
+      The diagram that a page asks for by the comment ``<!-- timing diagram: unit -->``.
     """
+    all_units = units()
     wanted = set(generated) | {path for path in PROJECT if (ROOT / path).is_file()}
     wanted |= {PurePosixPath(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*.md")}
     pages: dict[PurePosixPath, str] = {}
@@ -96,7 +102,9 @@ def all_pages(generated: dict[PurePosixPath, str]) -> dict[PurePosixPath, str]:
             if path in generated:
                 pages[path] = convert(generated[path], path, wanted)
             elif path.suffix == ".md":
-                pages[path] = repository_page(path, wanted)
+                pages[path] = WANTED_DIAGRAM.sub(
+                    lambda found: diagram_of(all_units[found[1]]), repository_page(path, wanted)
+                )
             else:
                 pages[path] = "" if path.suffix in IMAGES else source_page(path)
     return pages

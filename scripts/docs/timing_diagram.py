@@ -14,8 +14,8 @@ import wavedrom
 
 from quadshade.engine.build_cache import build_key
 from quadshade.errors import QuadshadeError
+from scripts.docs import simulate_unit
 from scripts.docs.entity import ROOT, Declaration, Unit
-from scripts.docs.simulate_unit import ports_per_clock
 
 CACHE = ROOT / "build" / "docs_diagrams"
 DECIMAL_BITS = 12
@@ -40,13 +40,17 @@ class Window:
     test : str
       The cocotb test, as a regular expression of its name; the first one if empty.
     start : str
-      A port: the diagram begins a clock before it is first high.
+      A port: the diagram begins some clocks before it is first high.
+    before : int
+      How many clocks before.
     after : int
-      Clocks before which that does not count.
+      Clocks before which that does not count; without a port, the first one shown.
     clocks : int
       How many are shown.
     ports : list of str
-      In their order; all but the clock if empty.
+      In their order, inputs before outputs; all but the clock if empty.
+    simulated : int
+      Clocks of the simulation.
     text : str
       What is to be seen.
     """
@@ -54,6 +58,7 @@ class Window:
     config: dict[str, int] = field(default_factory=dict)
     test: str = ""
     start: str = ""
+    before: int = 1
     after: int = 1
     clocks: int = 16
     ports: list[str] = field(default_factory=list)
@@ -79,30 +84,24 @@ def diagram(unit: Unit) -> str:
     if "clk" not in {port.name for port in unit.ports}:
         return "There is no diagram: the unit is combinational, and its outputs follow its inputs at once."
     window = windows().get(unit.name, Window())
-    stored = CACHE / f"{unit.name}-{_fingerprint(unit)}.svg"
+    stored = CACHE / f"{unit.name}-{_fingerprint(unit, window)}.svg"
     if not stored.is_file():
-        values = ports_per_clock(unit, window.config, window.test, window.simulated)
+        values = simulate_unit.ports_per_clock(unit, window.config, window.test, window.simulated)
         CACHE.mkdir(parents=True, exist_ok=True)
         for old in CACHE.glob(f"{unit.name}-*.svg"):
             old.unlink()
         stored.write_text(_svg(unit, window, values))
     given = ", ".join(f"`{name}={value}`" for name, value in window.config.items())
     source = f"From a simulation of the VHDL by its own test{f', with {given}' if given else ''}."
-    return (
-        f'<div class="wave" data-search-exclude>{stored.read_text()}</div>\n\n{window.text} {source}'.strip()
-    )
+    return f'<div class="wide wave" data-search-exclude>{stored.read_text()}</div>\n\n{window.text.strip()} {source}'.strip()
 
 
-def _fingerprint(unit: Unit) -> str:
-    """Changes with everything that the diagram is made of: the VHDL, the tests, the model, this package."""
-    folders = (
-        ROOT / "rtl",
-        ROOT / "cocotb_tests",
-        ROOT / "model" / "quadshade" / "golden",
-        Path(__file__).parent,
-    )
+def _fingerprint(unit: Unit, window: Window) -> str:
+    """Changes with everything that the diagram is made of: the VHDL, tests, models, and how it is drawn."""
+    folders = (ROOT / "rtl", ROOT / "cocotb_tests", ROOT / "model" / "quadshade" / "golden")
     files = sorted(path for folder in folders for path in folder.rglob("*.*"))
-    return build_key(unit.name, *(path for path in files if path.suffix in (".vhd", ".py", ".toml", ".f")))
+    files = [path for path in files if path.suffix in (".vhd", ".py", ".f")]
+    return build_key(unit.name, repr(window), *files, Path(__file__), Path(simulate_unit.__file__))
 
 
 def _svg(unit: Unit, window: Window, values: dict[str, list[str]]) -> str:
@@ -136,7 +135,7 @@ def _first_clock(window: Window, values: dict[str, list[str]]) -> int:
         raise QuadshadeError(
             f"{window.start} is never high", "choose other clocks in scripts/docs/diagrams.toml"
         )
-    return max(0, high[0] - 1)
+    return max(0, high[0] - window.before)
 
 
 def _lane(port: Declaration, bits: list[str]) -> dict[str, Any]:

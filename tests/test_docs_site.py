@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documentation's site in headless Chromium, and that its generated pages say what their sources say."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import http.server
+import re
+import shutil
+import threading
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from importlib import import_module
+from pathlib import Path
+from urllib.parse import unquote, urldefrag, urljoin
+
+import pytest
+from selenium import webdriver
+from selenium.common.exceptions import TimeoutException
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.wait import WebDriverWait
+
+from cocotb_tests.support.simulation import module_of
+from quadshade.cli.main import COMMANDS
+from quadshade.contract.formats import Formats
+from quadshade.golden.core.edge_dda import EdgeDda
+from quadshade.trade.page.screenshot import find_chromium
+from scripts.docs.entity import ROOT, units
+from scripts.docs.simulate_unit import ports_per_clock
+from scripts.docs.site import build_site
+from scripts.docs.timing_diagram import diagram, windows
+
+DRAWN = ("edge_dda", "load_adder")
+"""Units with their diagram here; `make docs` simulates all of them."""
+
+WIDTHS = (400, 1400)
+WIDE = "return document.documentElement.scrollWidth"
+
+
+class Page(HTMLParser):
+    """Links to pages, scripts, styles and pictures of a page, and its anchors."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.loaded: list[str] = []
+        self.anchors: set[str] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        """Note what a tag refers to."""
+        values = dict(attributes)
+        self.anchors |= {values[key] for key in ("id", "name") if values.get(key)}
+        if tag == "a" and values.get("href"):
+            self.links.append(values["href"])
+        if tag in ("script", "img") and values.get("src"):
+            self.loaded.append(values["src"])
+        if tag == "link" and values.get("rel") != "canonical":
+            self.loaded.append(values["href"])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The whole site; most units without their diagram, for time."""
+    folder = tmp_path_factory.mktemp("docs") / "site"
+    build_site(folder, lambda unit: diagram(unit) if unit.name in DRAWN else "")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[str, Page]:
+    """Every page by its place."""
+    return {str(path.relative_to(site)): Page(path.read_text()) for path in sorted(site.rglob("*.html"))}
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Serves files and says nothing."""
+
+    def log_message(self, *arguments: object) -> None:
+        """Nothing."""
+
+
+@pytest.fixture(scope="module")
+def address(site: Path) -> Iterator[str]:
+    """The site on a loopback port."""
+    handler = functools.partial(QuietHandler, directory=str(site))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[webdriver.Chrome]:
+    options = webdriver.ChromeOptions()
+    options.binary_location = find_chromium()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = shutil.which("chromedriver")
+    assert driver, "chromedriver is not installed: run `make setup`"
+    with webdriver.Chrome(options, Service(driver)) as opened:
+        yield opened
+
+
+def test_no_link_is_dead(pages: dict[str, Page]) -> None:
+    dead = []
+    for name, page in pages.items():
+        # The page for what is not found is served from anywhere.
+        for link in [] if name == "404.html" else page.links:
+            target, anchor = urldefrag(urljoin(name, unquote(link)))
+            if "://" in target or target.startswith("mailto:"):
+                continue
+            target = f"{target}index.html" if target.endswith("/") or not target else target
+            if target not in pages or (anchor and anchor not in pages[target].anchors):
+                dead.append(f"{name}: {link}")
+    assert not dead, "\n" + "\n".join(dead)
+
+
+def test_nothing_is_loaded_from_elsewhere(site: Path, pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        for source in page.loaded:
+            assert "://" not in source, (name, source)
+            assert name == "404.html" or (site / urljoin(name, unquote(source))).is_file(), (name, source)
+
+
+def test_every_page_of_the_documentation_is_in_the_navigation(pages: dict[str, Page], site: Path) -> None:
+    text = (site / "index.html").read_text()
+    listed = {urljoin("index.html", unquote(link)) for link in Page(text).links}
+    for path in (ROOT / "docs").rglob("*.md"):
+        place = path.relative_to(ROOT / "docs").with_suffix(".html")
+        place = place.with_name("index.html") if path.name == "README.md" else place
+        assert str(place) in listed | {"index.html"}, f"{path} is in no menu"
+
+
+def test_pages_are_readable(browser: webdriver.Chrome, address: str, pages: dict[str, Page]) -> None:
+    """No page is wider than its window, none has an error on the console."""
+    faults = []
+    for name in pages:
+        if name == "404.html" or name.startswith("source/"):
+            continue
+        browser.get(address + name)
+        for width in WIDTHS:
+            metrics = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+            # The menus take a moment to fold.
+            with contextlib.suppress(TimeoutException):
+                WebDriverWait(browser, 3).until(
+                    lambda opened, most=width: opened.execute_script(WIDE) <= most
+                )
+                continue
+            faults.append(f"{name}: {browser.execute_script(WIDE)} pixels wide in a window of {width}")
+        for entry in browser.get_log("browser"):
+            if "favicon.ico" not in entry["message"]:
+                faults.append(f"{name}: {entry['message']}")
+    assert not faults, "\n" + "\n".join(faults)
+
+
+def test_search_finds_a_unit(browser: webdriver.Chrome, address: str) -> None:
+    metrics = {"width": 1400, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    browser.get(address + "reference/cli.html")
+    field = browser.find_element(By.CSS_SELECTOR, "input.md-search__input")
+    field.click()
+    field.send_keys("edge_dda")
+    links = WebDriverWait(browser, 20).until(
+        lambda opened: opened.find_elements(By.CSS_SELECTOR, "a.md-search-result__link")
+    )
+    assert "/reference/units/edge_dda.html" in links[0].get_attribute("href")
+
+
+def test_command_line_page_has_every_command(site: Path) -> None:
+    text = (site / "reference" / "cli.html").read_text()
+    for name in COMMANDS:
+        assert f'id="quadshade-{name}"' in text
+
+
+@pytest.mark.parametrize("name", sorted(units()))
+def test_unit_page_has_every_port(site: Path, name: str) -> None:
+    """Ports as cocotb tests and netlists know them: each name that stands before a colon in the entity."""
+    text = (site / "reference" / "units" / f"{name}.html").read_text()
+    source = units()[name].text
+    (entity,) = re.findall(rf"^entity {name} is\n(.*?)^end entity", source, re.MULTILINE | re.DOTALL)
+    code = re.sub(r"--.*", "", entity)
+    names = [each.strip() for group in re.findall(r"([\w, \n]+) : ", code) for each in group.split(",")]
+    assert "clk" in names or name in ("load_adder", "output_clamp")
+    for each in names:
+        assert f"<code>{each.split()[-1]}</code>" in text
+
+
+def test_diagrams_name_what_there_is() -> None:
+    """A window's ports, test and settings exist in the unit and in its tests."""
+    all_units = units()
+    for name, window in windows().items():
+        ports = {port.name for port in all_units[name].ports}
+        assert set(window.ports) | ({window.start} if window.start else set()) <= ports, name
+        assert window.simulated > window.clocks
+        module = import_module(module_of(name))
+        module.Config(**window.config)
+
+
+def test_a_diagram_shows_what_the_model_says() -> None:
+    """The simulated ports of ``edge_dda`` are those of its model, clock by clock."""
+    window = windows()["edge_dda"]
+    values = ports_per_clock(units()["edge_dda"], window.config, window.test, 60)
+    formats = Formats(**window.config)
+    model, compared = None, 0
+    columns: list[int | None] = [None, None]
+    for clock in range(len(values["clk"])):
+        assert columns[0] is None or int(values["column"][clock], 2) == columns[0]
+        compared += columns[0] is not None
+        if values["enable"][clock] == "1":
+            if values["load"][clock] == "1":
+                fields = ("column", "error", "step", "increment", "decrement")
+                words = {f"major_{field}": int(values[f"load_{field}"][clock], 2) for field in fields}
+                model = EdgeDda(words, "major", formats)
+            columns = [columns[1], model.column if model else None]
+            if model:
+                model.step()
+    assert compared > 40
