@@ -27,6 +27,7 @@ from quadshade.cli.main import COMMANDS
 from quadshade.contract.formats import Formats
 from quadshade.golden.core.edge_dda import EdgeDda
 from quadshade.trade.page.screenshot import find_chromium
+from scripts.docs import drawings
 from scripts.docs.entity import ROOT, units
 from scripts.docs.simulate_unit import ports_per_clock
 from scripts.docs.site import build_site
@@ -220,3 +221,18 @@ def test_a_diagram_shows_what_the_model_says() -> None:
             if model:
                 model.step()
     assert compared > 40
+
+
+def test_drawings_are_as_their_description_says() -> None:
+    assert not drawings.outdated(), "run `python -m scripts.docs.drawings`"
+
+
+@pytest.mark.parametrize("stage", ["core", "shade", "screen", "link"])
+def test_a_drawing_has_every_unit_of_its_folder(stage: str) -> None:
+    """But those that only a unit of the same folder instantiates as an operator of its own."""
+    given = drawings.descriptions()[stage]
+    names = {name.strip() for name, *_ in given["boxes"]} | {
+        title.split(":")[0] for title, *_ in given["groups"]
+    }
+    members = {unit.name for unit in units().values() if unit.stage == stage}
+    assert members - names <= {"raster_core", "render_core", "load_adder"}

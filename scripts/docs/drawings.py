@@ -18,7 +18,7 @@ from quadshade.files.atomic import write_atomically
 from scripts.docs.entity import ROOT
 
 IMAGES = ROOT / "docs" / "images"
-WIDTH, PITCH_X = 172, 228
+WIDTH, PITCH_X = 184, 240
 HEIGHT, PITCH_Y = 58, 96
 MARGIN, GROUP_MARGIN = 34, 14
 

@@ -16,6 +16,7 @@ from urllib.parse import unquote
 from scripts.docs.entity import ROOT
 
 LINK = re.compile(r"(\]\()([^)#\s]*)((?:#[^)\s]*)?[^)]*\))")
+NAMED_PAGE = re.compile(r"\[[\w/.]+\.md\](\(([^)#\s]+\.md)[^)]*\))")
 DRAWING = re.compile(r"!\[([^\]]*)\]\(([^)\s]*drawing_\w+\.svg)\)")
 LANGUAGES = {
     ".py": "python",
@@ -80,10 +81,16 @@ def convert(text: str, path: PurePosixPath, wanted: set[PurePosixPath]) -> str:
         wanted.add(linked)
         return f"{start}{os.path.relpath(place_of(linked), here)}{end}"
 
+    text = NAMED_PAGE.sub(lambda found: _titled(found, path.parent), text)
     text = DRAWING.sub(lambda found: _inline(ROOT / path.parent / found[2], found[1]), text)
     return "".join(
         part if is_code else LINK.sub(replaced, part) for is_code, part in _parts(_as_python_markdown(text))
     )
+
+
+def _titled(link: re.Match[str], folder: PurePosixPath) -> str:
+    """A link whose text is a page's file name gets the page's title: the site shows no file names."""
+    return f"[{title_of((ROOT / folder / link[2]).read_text())}]{link[1]}"
 
 
 def _inline(drawing: Path, title: str) -> str:
@@ -109,9 +116,21 @@ def source_page(path: PurePosixPath) -> str:
 
 
 def repository_page(path: PurePosixPath, wanted: set[PurePosixPath]) -> str:
-    """A Markdown file of the repository as a page of the site; see :func:`convert`."""
+    """A Markdown file as a page of the site; see :func:`convert`. A folder without a README is a list."""
+    if path.name == "README.md" and not (ROOT / path).is_file():
+        return convert(_folder_page(path.parent), path, wanted)
     text = re.sub(r"\A<!-- SPDX.*?-->\n", "", (ROOT / path).read_text())
     return convert(text, path, wanted)
+
+
+def _folder_page(folder: PurePosixPath) -> str:
+    """What a folder holds: pages by their titles with a link, other files by their names."""
+    files = sorted(path for path in (ROOT / folder).iterdir() if path.is_file())
+    rows = [
+        f"- [{title_of(path.read_text())}]({path.name})" if path.suffix == ".md" else f"- `{path.name}`"
+        for path in files
+    ]
+    return "\n".join([f"# {folder.name.capitalize()}", "", *rows]) + "\n"
 
 
 def title_of(text: str) -> str:

@@ -93,7 +93,8 @@ def diagram(unit: Unit) -> str:
         stored.write_text(_svg(unit, window, values))
     given = ", ".join(f"`{name}={value}`" for name, value in window.config.items())
     source = f"From a simulation of the VHDL by its own test{f', with {given}' if given else ''}."
-    return f'<div class="wide wave" data-search-exclude>{stored.read_text()}</div>\n\n{window.text.strip()} {source}'.strip()
+    text = f"{' '.join(window.text.split())} {source}".strip()
+    return f'<div class="wide wave" data-search-exclude>{stored.read_text()}</div>\n\n{text}'
 
 
 def _fingerprint(unit: Unit, window: Window) -> str:
