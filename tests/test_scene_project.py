@@ -9,10 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from quadshade.contract.formats import Formats
+from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.scene import Camera, build_mesh, fit_camera, load_scene, parse_camera, project
 from quadshade.scene.clip import clip_triangles
 from quadshade.scene.project import doubled_area
+from quadshade.shading import sample
 
 FORMATS = Formats()
 FRONT = {"target": np.zeros(3), "up": np.array([0.0, 1.0, 0.0])}
@@ -176,6 +178,79 @@ def test_the_near_plane_cuts_what_reaches_behind_the_eye():
         )
         == 0
     )
+
+
+def covered(mesh, camera, cull=True) -> set:
+    """Pixels with the faces that cover them."""
+    placed = project(mesh, camera, 32, 32, cull=cull)
+    pixels = draw(sample(placed, "flat"), FORMATS).pixels
+    return set(
+        zip(pixels.x.tolist(), pixels.y.tolist(), placed.source[pixels.triangle].tolist(), strict=True)
+    )
+
+
+@pytest.mark.parametrize("cull", [True, False])
+@pytest.mark.parametrize("seed", range(12))
+def test_a_fitted_near_plane_hides_nothing(seed, cull):
+    """The viewer is inside a scene with parts near and far, and sees what a near plane at the eye shows."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-4, 3, size=(40, 1, 1))
+    mesh = build_mesh((size * rng.normal(size=(40, 3, 3))).reshape(-1, 3), np.arange(120).reshape(-1, 3))
+    eye = {"eye": np.zeros(3), "target": np.array([0, 0, -1.0]), "up": np.array([0, 1.0, 0]), "fov": 60.0}
+    fitted, close = covered(mesh, Camera(**eye), cull), covered(mesh, Camera(**eye, near=1e-7), cull)
+    assert len(close) > 100
+    # Where a near plane cuts, the corners of the cut are rounded to sub-pixels.
+    assert len(fitted ^ close) <= 0.01 * len(close)
+    assert {face for *_, face in close} - {face for *_, face in fitted} == set()
+
+
+def test_what_is_not_seen_does_not_move_the_near_plane():
+    far = [(-50, -50, -1000), (50, -50, -1000), (0, 50, -1000)]
+    beside, edge_on = [(5, 0, -0.1), (6, 0, -0.1), (5, 1, -0.1)], [(0, -1, 1), (0, 1, 1), (0, 0, -2)]
+    behind = [(-1, -1, -0.5), (0, 1, -0.5), (1, -1, -0.5)]
+    eye = {"eye": np.zeros(3), "target": np.array([0, 0, -1.0]), "up": np.array([0, 1.0, 0])}
+    for hidden in (beside, edge_on, behind):
+        placed = project(triangle_mesh(*far, *hidden), Camera(**eye), 32, 32)
+        assert placed.source.tolist() == [0] and placed.depth.max() == 65535 and placed.notes == ()
+        fixed = project(triangle_mesh(*far, *hidden), Camera(**eye, near=1.0), 32, 32)
+        assert np.array_equal(placed.depth, fixed.depth) and np.array_equal(placed.vertices, fixed.vertices)
+    (note,) = project(triangle_mesh(*far, *behind), Camera(**eye, near=0.01), 32, 32, cull=False).notes
+    assert "near is 0.01" in note and "1e+03" in note and "16 bits" in note
+    # One step at the far end, from its definition.
+    step = 1000 - 1 / (1 / 1000 + (1 / 0.01 - 1 / 1000) / 65535)
+    assert f"resolve only {step:.3g} there" in note
+
+
+@pytest.mark.parametrize("exponent", [3, 6, 10, 13, 16, 99])
+@pytest.mark.parametrize("near", [None, 1e-6, 0.01])
+def test_what_reaches_very_far_out_is_clipped_and_closed(exponent, near):
+    """A plane below the viewer, as a fan around a point near by, in a view that is turned."""
+    rng = np.random.default_rng(exponent)
+    angle = np.sort(rng.uniform(0, 2 * np.pi, 9))
+    ring = 10.0**exponent * np.stack([np.cos(angle), np.sin(angle), np.zeros(9)], axis=1)
+    vertices = np.concatenate([[[0.1, 0.3, 0.0]], ring])
+    mesh = build_mesh(vertices, np.array([[0, k + 1, (k + 1) % 9 + 1] for k in range(9)]))
+    camera = Camera(
+        np.array([0.0, 0, 1]), np.array([0.3, 1.0, 0.8]), np.array([0.1, 0, 1.0]), fov=70.0, near=near
+    )
+    if exponent > 14:
+        with pytest.raises(QuadshadeError, match="units away"):
+            project(mesh, camera, 64, 64, cull=False)
+        return
+    placed = project(mesh, camera, 64, 64, cull=False)
+    assert len(placed) and np.isfinite(placed.depth).all() and (placed.weight > 0).all()
+    drawing = draw(sample(placed, "flat"), FORMATS).pixels
+    # Every pixel once: no gap and no overlap; those are the pixels below the horizon.
+    places = drawing.y * 64 + drawing.x
+    assert len(np.unique(places)) == len(places)
+    right, up, back = camera.axes
+    x, y = np.meshgrid(np.arange(64) + 0.5 - 32, np.arange(64) + 0.5 - 32)
+    reach = 32 / np.tan(np.radians(35))
+    down = -(x * right[2] - y * up[2] - reach * back[2])
+    hit = np.zeros(64 * 64, bool)
+    hit[places] = True
+    clear = np.abs(down) > 1.5 * (1 + reach * 10.0 ** (1 - exponent))
+    assert np.array_equal(hit.reshape(64, 64)[clear], (down > 0)[clear])
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,8 @@ GIVEN_FILES = (
     Case("14-fan.glb", {WHITE: 392}),
     Case("15-repeat.glb", {RED: 136}),
     Case("15-repeat.obj", {RED: 136}),
+    Case("19-near.ply", {GREEN: 1296, RED: 2800}, camera="eye=0,0,5,target=0,0,0,fov=20"),
+    Case("20-plane.obj", {WHITE: 2048}, camera="eye=0,0,1,target=0,1,1,up=0,0,1,fov=20,near=0.01"),
 )
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"

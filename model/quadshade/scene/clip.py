@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+MISSED = 1e-9
+"""Relative error of a cut's coordinate from which it is put on the plane."""
+
 
 def clip_triangles(corners: np.ndarray, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
@@ -79,14 +82,26 @@ def _cut(polygons: np.ndarray, counts: np.ndarray, plane: np.ndarray) -> tuple[n
     leaving = (here >= 0)[..., None]
     inner, outer = np.where(leaving, polygons, following), np.where(leaving, following, polygons)
     span = np.where(cross, np.abs(here) + np.abs(there), 1)
-    share = np.where(here >= 0, here, there) / span
-    cuts = inner + (outer - inner) * share[..., None]
+    share = np.where(cross, np.where(here >= 0, here, there), 0) / span
+    cuts = _on_plane(inner + (outer - inner) * share[..., None], plane)
     # Each corner gives up to two: itself where it is inside, then the point where its edge crosses.
     emitted = np.stack([polygons, cuts], axis=2).reshape(len(polygons), 2 * most, -1)
     wanted = np.stack([keep, cross], axis=2).reshape(len(polygons), 2 * most)
     counts = wanted.sum(axis=1)
     order = np.argsort(~wanted, axis=1, kind="stable")[:, : max(int(counts.max(initial=0)), 1)]
     return emitted[rows, order], counts
+
+
+def _on_plane(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Points that lie in a plane up to rounding, put there where the rounding of far-off numbers is large."""
+    axis = int(np.flatnonzero(plane[:-1])[0])
+    rest = plane.copy()
+    rest[axis] = 0
+    wanted = -plane_distance(points, rest) / plane[axis]
+    given = points[..., axis]
+    missed = np.abs(given - wanted) > MISSED * (np.abs(given) + np.abs(wanted))
+    points[..., axis] = np.where(missed, wanted, given)
+    return points
 
 
 def _triangulate(polygons: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,10 +12,11 @@ from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.camera import Camera
 from quadshade.scene.clip import clip_triangles
+from quadshade.scene.depth_range import NEAREST, depth_notes, fitted_near
 from quadshade.scene.mesh import Mesh
 
-NEAREST = 1e-3
-"""A fitted near plane is never nearer than this share of the scene's farthest point."""
+FARTHEST = 1e14
+"""Of a triangle that is cut, to the target's distance: float64 has 16 digits, and a pixel takes three."""
 
 # A vertex's coordinates before the viewport: x w, y w, w (1 in an orthographic view), distance to the viewer.
 ACROSS, DOWN, DIVISOR, DISTANCE, COORDINATES = range(5)
@@ -49,6 +50,8 @@ class Projected:
       Viewer's position; None for an orthographic view.
     axes : (3, 3) float64
       The viewer's right, up and backward.
+    notes : tuple of str
+      What the picture may lack, a sentence each.
     """
 
     width: int
@@ -62,6 +65,7 @@ class Projected:
     source: np.ndarray
     eye: np.ndarray | None
     axes: np.ndarray
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.vertices)
@@ -112,21 +116,21 @@ def project(
     Raises
     ------
     QuadshadeError
-      A size out of range.
+      A size out of range, or a triangle to be cut that reaches ``FARTHEST`` times as far as the target.
     """
     formats = Formats() if formats is None else formats
     check_size(width, height, formats)
     view = _View(camera, width, height)
     coordinates = _place(mesh.vertices, view.eye, view.rows, view.perspective)
-    near, far = _depth_range(camera, coordinates[mesh.used, DISTANCE])
+    culled = _culled(mesh, cull)
+    near, far = _depth_range(camera, view, mesh, coordinates, culled, (width, height))
     scale = 2.0**formats.subpixel_bits
     # One sub-pixel inside the guard band, so that rounding cannot leave it.
     band = (np.array(formats.guard_band) + (1, -1)) / scale
     cutters = view.planes(np.stack([band, band], axis=1), near)
     sides = _sides(coordinates, view.planes(np.array([[0, 0], [width, height]]), near), cutters)
-    vertices = _rounded(coordinates, sides, view.middle, scale)
+    vertices = _rounded(coordinates, sides, view.middle, scale, *formats.guard_band)
     # Most triangles need no clipping and many are culled: nothing is gathered for those.
-    culled = _culled(mesh, cull)
     source, crossing = _seen(mesh.faces, sides, vertices, culled)
     full = 2.0**formats.depth_bits - 1
     view_depth = near, far, view.perspective, full
@@ -134,12 +138,15 @@ def project(
         source, mesh.faces, vertices, coordinates, view_depth, mesh.vertices, mesh.normals, mesh.colours
     )
     if len(crossing):
+        _check_reach(mesh.vertices[mesh.faces[crossing]], camera)
         pieces, cut_from = clip_triangles(_attributes(mesh, coordinates, crossing), cutters)
+        if view.perspective:
+            pieces[..., DISTANCE] = pieces[..., DIVISOR]
         # The pieces are a mesh of their own, in which every corner is a vertex.
         flat = pieces.reshape(-1, pieces.shape[2])
         faces = np.arange(len(flat)).reshape(-1, 3)
         sides = np.zeros(len(flat), np.uint16)
-        vertices = _rounded(flat, sides, view.middle, scale)
+        vertices = _rounded(flat, sides, view.middle, scale, *formats.guard_band)
         kept, _ = _seen(faces, sides, vertices, culled[crossing[cut_from]])
         colours = None if mesh.colours is None else pieces[..., 10:13]
         more = _gather(kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], colours)
@@ -151,7 +158,8 @@ def project(
             for one, two in zip(parts, more, strict=True)
         ]
     eye = view.eye if view.perspective else None
-    return Projected(width, height, *parts, source, eye, camera.axes)
+    notes = depth_notes(near, far, formats) if view.perspective else ()
+    return Projected(width, height, *parts, source, eye, camera.axes, notes)
 
 
 def doubled_area(vertices: np.ndarray) -> np.ndarray:
@@ -168,6 +176,7 @@ class _View:
         self.perspective = camera.ortho is None
         half = min(width, height) / 2
         scale = half / np.tan(np.radians(camera.fov / 2)) if self.perspective else half / camera.ortho
+        self.scale = float(scale)
         self.middle = np.array([width, height]) / 2
         self.rows = np.stack([scale * right, -scale * up, np.zeros(3), -back])
         self.eye = np.asarray(camera.eye, dtype=np.float64)
@@ -175,7 +184,8 @@ class _View:
     def planes(self, bounds: np.ndarray, near: float) -> np.ndarray:
         """(5, 5) planes over the coordinates: near, then the sides of bounds (2, 2), low and high x, y."""
         planes = np.zeros((5, 5))
-        planes[0, 3:] = 1, -near
+        # In perspective, w is the distance, and the other planes ask for w.
+        planes[0, [DIVISOR if self.perspective else DISTANCE, COORDINATES]] = 1, -near
         for axis in range(2):
             low, high = bounds[:, axis] - self.middle[axis]
             planes[1 + 2 * axis, [axis, 2]] = 1, -low
@@ -190,15 +200,38 @@ def _culled(mesh: Mesh, cull: bool) -> np.ndarray:
     return ~mesh.double_sided
 
 
-def _depth_range(camera: Camera, distance: np.ndarray) -> tuple[float, float]:
-    """Near and far distance: the camera's near, or what the scene's vertices at these distances need."""
+def _depth_range(
+    camera: Camera,
+    view: _View,
+    mesh: Mesh,
+    coordinates: np.ndarray,
+    culled: np.ndarray,
+    size: tuple[int, int],
+) -> tuple[float, float]:
+    """Near and far distance: the camera's near, or what the part of the scene that it shows needs."""
+    distance = coordinates[mesh.used, DISTANCE]
     far = float(distance.max())
     if camera.near is not None:
         return camera.near, far
     nearest = float(distance.min())
-    if camera.ortho is None:
-        return max(nearest, NEAREST * far, 1e-30), far
-    return nearest, far
+    if not view.perspective:
+        return nearest, far
+    if nearest >= NEAREST * far:
+        return max(nearest, 1e-30), far
+    pyramid = view.planes(np.array([(0, 0), size]), 0.0)
+    return fitted_near(coordinates[mesh.faces], culled, pyramid, view.scale, far), far
+
+
+def _check_reach(corners: np.ndarray, camera: Camera) -> None:
+    """Refuse triangles that reach so far that rounding hides where they pass the viewer."""
+    reach = float(np.abs(corners - camera.eye).max())
+    distance = float(np.linalg.norm(np.subtract(camera.target, camera.eye)))
+    if reach > FARTHEST * distance:
+        raise QuadshadeError(
+            f"a triangle reaches {reach:.3g} units away, the camera's target is {distance:.3g} away:"
+            " it cannot be cut at the screen's border",
+            "divide the triangle, or scale the mesh down",
+        )
 
 
 def _attributes(mesh: Mesh, coordinates: np.ndarray, source: np.ndarray) -> np.ndarray:
@@ -244,14 +277,15 @@ def _sides(coordinates, borders, cutters):
 
 
 @njit(cache=True, error_model="numpy")
-def _rounded(coordinates, sides, middle, scale):
-    """(m, 2) int64 sub-pixels, y down, ties to even; zero for vertices beyond a cutter."""
+def _rounded(coordinates, sides, middle, scale, low, high):
+    """(m, 2) int64 sub-pixels low .. high, y down, ties to even; zero for vertices beyond a cutter."""
     out = np.zeros((len(coordinates), 2), np.int64)
     for vertex in range(len(coordinates)):
         if not sides[vertex] & CUT:
             for axis in range(2):
                 place = middle[axis] + coordinates[vertex, axis] / coordinates[vertex, DIVISOR]
-                out[vertex, axis] = np.int64(np.rint(place * scale))
+                # A cut from very far away may miss the guard band by its rounding.
+                out[vertex, axis] = np.int64(min(max(np.rint(place * scale), low), high))
     return out
 
 
