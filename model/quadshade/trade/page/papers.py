@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from quadshade.contract.formats import Formats
+
 SETUPS = 100_000_000
 """Set-ups that Barrera's Table 1 times."""
 
@@ -70,7 +72,7 @@ def abbas_table(resources: dict | None) -> list[dict]:
     rows = [{"what": "Abbas et al.", "device": "XCV300-6", "mhz": 1000 / ABBAS_NS, "ns_per_pixel": ABBAS_NS}]
     rows += [
         {
-            "what": row["name"],
+            "what": f"{row['name']}, {Formats().with_generics(row['generics']).stream_width}-bit stream",
             "device": row["device"],
             "mhz": row["fmax_mhz"],
             "ns_per_pixel": 1000 / row["fmax_mhz"],

@@ -119,7 +119,8 @@ function showChosen() {
   const index = state.left.index;
   byId("chosen").replaceChildren(el("b", {}, pointDatum(index, "name")), ": rms ", pointDatum(index, "rms", 3), ", PSNR ",
     pointDatum(index, "psnr", 2), " dB, ", pointDatum(index, "triangles"), " triangles, ", pointDatum(index, "bytes"),
-    " bytes, ", pointDatum(index, "clocks"), " clocks, ", pointDatum(index, "lut4"), " LUT4, word of ",
+    " bytes, ", pointDatum(index, "clocks"), " clocks, ", pointDatum(index, "lut4"), " LUT4, ", pointDatum(index, "dsp"), " multipliers, ",
+    pointDatum(index, "bram"), " block RAM, word of ",
     pointDatum(index, "word_width"), " bits");
 }
 

@@ -45,11 +45,13 @@ function showSteps() {
       el("td", {}, el("span", { class: "swatch", style: `background:${colour(point.shading)}` }), row.name),
       el("td", {}, pointDatum(row.point, "psnr", 1)), el("td", { class: "word" }, el("i", { class: "bar", style: width })),
       el("td", {}, pointDatum(row.point, "max_error")), el("td", {}, pointDatum(row.point, "bytes_per_triangle", 0)),
-      el("td", {}, pointDatum(row.point, "clocks_per_pixel", 3)), el("td", {}, pointDatum(row.point, "lut4")));
+      el("td", {}, pointDatum(row.point, "clocks_per_pixel", 3)),
+      ...["lut4", "dsp", "bram"].map((cell) => el("td", {}, pointDatum(row.point, cell))));
   });
   made.push(el("tr", { class: "reference" }, el("td", {}, el("span", { class: "swatch" }), "Phong"),
-    el("td", {}, "reference"), ...Array.from({ length: 5 }, () => el("td", {}, ""))));
-  const headings = ["method", "PSNR, dB", "", "worst, grey levels", "bytes / triangle", "clocks / pixel", "LUT4"];
+    el("td", {}, "reference"), ...Array.from({ length: 7 }, () => el("td", {}, ""))));
+  const headings = ["method", "PSNR, dB", "", "worst, grey levels", "bytes / triangle", "clocks / pixel", "LUT4",
+    "multipliers", "block RAM"];
   byId("steps-table").replaceChildren(
     el("thead", {}, el("tr", {}, ...headings.map((heading) => el("th", { scope: "col" }, heading)))),
     el("tbody", {}, ...made));
@@ -61,7 +63,8 @@ function showSteps() {
     ...(camera ? [", camera ", datum(state.scene, ["view", "camera"])] : [""]), ", ",
     datum(file, [key, "fraction"]), " fraction bits. Bytes are those of the set-up stream, per triangle of the mesh that is seen. ",
     ...(notice ? [el("span", { class: "missing" }, "LUTs are not counted: ", datum(state.scene, ["notice"]))]
-      : ["LUT4 on ", datum(state.scene, ["device"]), ", of the smallest core for the method, carry cells as two."]));
+      : ["Cells on ", datum(state.scene, ["device"]), ", of the smallest core for the method with a set-up stream of ",
+        datum(state.scene, ["generics", "stream_width"]), " bits; a carry cell is two LUT4."]));
 }
 
 function choice(list, chosen, name, change) {
