@@ -154,6 +154,11 @@ def test_every_block_runs(page: Path, folder: Path, started: list[subprocess.Pop
             check_picture(picture, drawn)
 
 
+def test_readme_is_short() -> None:
+    """A newcomer reads all of it; what takes longer is a page."""
+    assert len((ROOT / "README.md").read_text().splitlines()) < 120
+
+
 def test_every_block_has_a_known_language() -> None:
     """What has no language is neither run nor coloured; commands below an indentation would not be found."""
     wrong = [

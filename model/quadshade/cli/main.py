@@ -134,7 +134,7 @@ def main() -> None:
 
     \b
     quadshade render sphere:168 -o sphere.png
-    quadshade render teapot.obj -o teapot.png --engine ghdl --stats stats.json
+    quadshade render pawn.obj -o pawn.png --engine ghdl --stats stats.json
     quadshade raster triangles.json -o pixels.npz
     quadshade compare quadratic.png phong.png
     """
