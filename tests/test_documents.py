@@ -154,6 +154,19 @@ def test_every_block_runs(page: Path, folder: Path, started: list[subprocess.Pop
             check_picture(picture, drawn)
 
 
+def test_named_sources_exist() -> None:
+    """A source that a page names by its folder is there, below the repository, the package or the RTL."""
+    bases = (ROOT, ROOT / "model" / "quadshade", ROOT / "rtl")
+    named = re.compile(r"`((?:\w+/)+\w+\.(?:py|vhd|v|sv|cpp|toml|json|rules))`")
+    missing = [
+        f"{page.relative_to(ROOT)}: {name}"
+        for page in {ROOT / "README.md", *(ROOT / "docs").rglob("*.md")}
+        for name in named.findall(page.read_text())
+        if not name.startswith("build/") and not any((base / name).exists() for base in bases)
+    ]
+    assert not missing, "\n" + "\n".join(sorted(missing))
+
+
 def test_readme_is_short() -> None:
     """A newcomer reads all of it; what takes longer is a page."""
     assert len((ROOT / "README.md").read_text().splitlines()) < 120

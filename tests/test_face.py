@@ -302,8 +302,8 @@ def loaded_by(*arguments: str, complete: str | None = None) -> set[str]:
 @pytest.mark.parametrize(
     "arguments",
     ((), ("--help",), ("--version",), ("render", "--help"), ("raster", "--help"), ("pack", "--help"),
-     ("trade", "--help"), ("info", "--help"), ("replay", "--help"), ("board", "--help"), ("compare", "--help"),
-     ("dump", "--help"), ("completion", "zsh"), ("completion", "fish")),
+     ("trade", "--help"), ("info", "--help"), ("replay", "--help"), ("board", "--help"),
+     ("compare", "--help"), ("dump", "--help"), ("completion", "zsh"), ("completion", "fish")),
     ids=" ".join,
 )  # fmt: skip
 def test_import_and_help_load_nothing_heavy(arguments: tuple[str, ...]) -> None:
