@@ -27,8 +27,8 @@ from quadshade.adapt import (
     pixel_errors,
     refine,
 )
-from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.costs import state_bytes
+from quadshade.adapt.curve import Curve
 from quadshade.adapt.plan import Planner
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
@@ -101,22 +101,17 @@ def adaptive_curve(
 
     Until one takes more than fixed choices; those without the power, only while they take less than with it.
     """
-    with_power = np.full(steps, np.inf)
+    with_power: dict[int, int] = {}
     core = specular_formats({}, whole, None, material)
     for kind, own in ((ColourShader, formats), (CosineShader, core), (LightShader, core)):
-        planner = Planner(whole, kind(None, material, own, whole, measure))
-        for step, strictness in enumerate(np.linspace(0, 1, steps)):
-            # The largest error is verified, as it is by `render --max-error`.
-            if measure == "max":
-                plan = planner.verified(OUTPUT_ROUNDING + planner.shader.full * 1e-4**strictness)[0]
-            else:
-                plan = planner.at(float(strictness))
-            adapted = plan.adapted()
-            point = measured(adapted.triangles, adapted.root, whole, material, own)
-            yield {"measure": measure, "estimated": adapted.estimated} | adapted.mix() | point
+        curve = Curve(Planner(whole, kind(None, material, own, whole, measure)), verify=True)
+        for index in np.unique(np.linspace(0, len(curve) - 1, steps).astype(int)).tolist():
+            adapted = curve.picture(index).plan.adapted(verify=True)
+            drawn = measured(adapted.triangles, adapted.root, whole, material, own)
+            yield {"measure": measure} | adapted.mix() | drawn
             if kind is CosineShader:
-                with_power[step] = point["bytes"]
-            if point["bytes"] > (with_power[step] if kind is LightShader else most):
+                with_power[index] = drawn["bytes"]
+            if drawn["bytes"] > (with_power.get(index, np.inf) if kind is LightShader else most):
                 break
 
 
@@ -266,7 +261,7 @@ def mix_text(scenes: list[dict]) -> list[str]:
             orders, powers = row["triangles_by_order"], row["specular_by_order"]
             rival = row["rival"] or {}
             line = [scene["mesh"], f"{row['max_error']:g}", row["adaptive_shading"], row["bytes"]]
-            line += [rival.get("bytes", "–"), row["divided"], row["triangles"], *orders.values()]
+            line += [rival.get("bytes") or "–", row["divided"], row["triangles"], *orders.values()]
             varying = powers["linear"] + powers["quadratic"]
             line += [varying if row["adaptive_shading"] == CosineShader.shading else "–", f"{row['max']:.2f}"]
             rows.append(line)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Spend where it shows: which triangles need a higher order or division, for an allowed error or a budget."""
 
+from quadshade.adapt.adapted import ErrorCurve, adapt
 from quadshade.adapt.centre_test import centre_error, centre_subdivision
 from quadshade.adapt.cho import Subdivided, highlight_subdivision, regular_subdivision
 from quadshade.adapt.choose import Goal, choose_orders
@@ -12,7 +13,7 @@ from quadshade.adapt.highlight import (
     potentially_highlighted,
     with_neighbours,
 )
-from quadshade.adapt.plan import Adapted, adapt
+from quadshade.adapt.plan import Adapted, Rival
 from quadshade.adapt.shader import ColourShader
 from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
 
@@ -20,9 +21,11 @@ __all__ = [
     "Adapted",
     "ColourShader",
     "CosineShader",
+    "ErrorCurve",
     "ErrorFigures",
     "Goal",
     "LightShader",
+    "Rival",
     "Subdivided",
     "adapt",
     "centre_error",

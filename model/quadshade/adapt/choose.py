@@ -83,21 +83,21 @@ def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
     -------
     Decision
     """
-    found = surface.found
-    pixels, bound, nothing = found["pixels"], found["bound"], np.zeros(len(surface.root))
+    assessed = surface.assessed
+    pixels, bound, nothing = assessed.pixels, assessed.bound, np.zeros(len(surface.root))
     # What covers one pixel at most is as good as it can be: no order of a part would be better.
     several = pixels > 1
     if shader.measure == "max":
         allowed = goal.allowed[surface.root] - bound
-        chosen = shader.choose(found, allowed)
-        gain = _gain_max(chosen, shader.choose_halves(found, allowed), allowed, shader.orders[-1])
+        chosen = shader.choose(assessed, allowed)
+        gain = _gain_max(chosen, shader.choose_halves(assessed, allowed), allowed, shader.orders[-1])
         wanting, largest, square = (chosen.error > allowed) & several, chosen.error + bound, nothing
     else:
         price = goal.price / np.maximum(pixels, 1e-9)
-        chosen = shader.choose(found, price)
-        gain = _gain_rms(chosen, shader.choose_halves(found, 2 * price), pixels, goal.price)
+        chosen = shader.choose(assessed, price)
+        gain = _gain_rms(chosen, shader.choose_halves(assessed, 2 * price), pixels, goal.price)
         wanting, largest, square = several, nothing, chosen.error
-    samples = chosen_samples(found, chosen.orders)
+    samples = chosen_samples(assessed, chosen.orders)
     return Decision(chosen.orders, samples, largest, square, gain, wanting, shader.measure == "max")
 
 
@@ -163,11 +163,10 @@ def divide(surface: Surface, decision: Decision, shader: Shader) -> Surface:
     fresh = np.flatnonzero((np.bincount(parent) > 1)[parent])
     root = surface.root[parent]
     new = shader.surface(projected.ordered(fresh), root[fresh])
-    found = {}
-    for name, values in surface.found.items():
-        found[name] = values[parent]
-        found[name][fresh] = new.found[name]
-    return Surface(projected, root, found)
+    assessed, part = surface.assessed.take(parent), surface.part[parent]
+    assessed.put(fresh, new.assessed)
+    part[fresh] = new.part
+    return Surface(projected, root, assessed, part)
 
 
 def settle(surface: Surface, shader: Shader, goal: Goal) -> tuple[Surface, Decision]:

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
+from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
 from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
 from quadshade.adapt.small_triangles import Places
@@ -64,8 +65,8 @@ class CosineShader(Shader):
         combinations = product(range(len(self.orders)), repeat=2 * count)
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
 
-    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
-        """Adds ``options`` (n, k, channels), ``errors`` (n, k) and ``halves`` (n, 3, 2, k) of them."""
+    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+        """See :meth:`Shader.fit`; errors are (n, k), of halves (n, 3, 2, k), of (n, k, channels) options."""
         count, orders = len(projected), len(self.orders)
         found = self._chunks(projected, slice(None), lambda part, _: self._halves(part))
         options = LEVELS if self.combinations is None else len(self.combinations)
@@ -97,8 +98,8 @@ class CosineShader(Shader):
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
         bounds[:, len(diffuse) :] *= specular * found.pop("steepest")
-        found["bound"] = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
-        return found
+        bound = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
+        return Assessed(places.pixels, bound, found["samples"], found["errors"], found["halves"], options)
 
     def _chunks(
         self,
@@ -253,14 +254,14 @@ class CosineShader(Shader):
         left, spent = (np.take_along_axis(values, best, axis=-1)[..., 0] for values in (errors, words))
         return Choice(orders, left, spent)
 
-    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose`."""
-        return self._choose(found["errors"], found["options"], goal)
+        return self._choose(assessed.errors, assessed.options, goal)
 
-    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose_halves`."""
-        halves = found["halves"]
-        options = np.broadcast_to(found["options"][:, None, None], (*halves.shape, len(self.place)))
+        halves = assessed.halves
+        options = np.broadcast_to(assessed.options[:, None, None], (*halves.shape, len(self.place)))
         return self._choose(halves, options, np.broadcast_to(goal[:, None, None], halves.shape[:3]))
 
 

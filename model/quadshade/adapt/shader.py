@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.adapt.part_memory import Assessed, PartMemory
 from quadshade.adapt.polynomial_fit import ORDERS, POINTS, fit, fit_at, split_errors
 from quadshade.adapt.small_triangles import Places, pixel_places
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
@@ -35,15 +36,16 @@ class Surface:
     projected : Projected
     root : (n,) int64
       Triangle of the undivided mesh.
-    found : dict of str to (n, ...) arrays
-      What is found out for each triangle by itself, once: ``pixels``, float64, their number; ``bound``,
-      what rounding the words of the highest order costs at most, from the set-up; ``samples``
-      (n, channels, orders, 6), the best polynomials; and what the shader's methods take.
+    assessed : Assessed
+      What is found out for each triangle by itself.
+    part : (n,) int64
+      A number for each triangle: no two different ones that a shader has met have the same.
     """
 
     projected: Projected
     root: np.ndarray
-    found: dict[str, np.ndarray]
+    assessed: Assessed
+    part: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class Shader:
         place: Sequence[int],
     ) -> None:
         self.measure, self.whole = measure, projected
+        self.memory = PartMemory(self.assess)
         self.formats = Formats() if formats is None else formats
         self.material = Material() if material is None else material
         self.lights = default_lights(projected.axes) if lights is None else lights
@@ -100,30 +103,34 @@ class Shader:
     def surface(self, projected: Projected, root: np.ndarray | None = None) -> Surface:
         """A mesh, shaded and fitted; without ``root`` the undivided one."""
         root = np.arange(len(projected)) if root is None else root
-        places = pixel_places(projected, self.formats, self.whole, root)
-        found = self.assess(projected, places, root) | {"pixels": places.pixels}
-        for name in ("errors", "bound"):
-            found[name][places.pixels == 0] = 0
-        return Surface(projected, root, found)
+        return Surface(projected, root, *self.memory.assessed(projected, root))
 
-    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
-        """``samples``, ``bound`` and what :meth:`choose` and :meth:`choose_halves` take."""
+    def assess(self, projected: Projected, root: np.ndarray) -> Assessed:
+        """What each triangle's pixels and samples say about every order, not remembered."""
+        centres = pixel_places(projected, self.formats, self.whole, root)
+        assessed = self.fit(projected, centres, root)
+        for values in (assessed.errors, assessed.bound):
+            values[centres.pixels == 0] = 0
+        return assessed
+
+    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+        """The best polynomials of every order, and what each leaves."""
         raise NotImplementedError
 
-    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """
         The cheapest orders.
 
         Parameters
         ----------
-        found : dict
+        assessed : Assessed
           Of a surface.
         goal : (n,) float64
           The largest difference (``max``), or the price of a word over a triangle's pixels (``rms``).
         """
         raise NotImplementedError
 
-    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """As :meth:`choose` for (n, 3, 2) halves, if edge 0-1, 1-2 or 2-0 is split."""
         raise NotImplementedError
 
@@ -195,8 +202,8 @@ class ColourShader(Shader):
             raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
         super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
 
-    def assess(self, projected: Projected, places: Places, root: np.ndarray) -> dict[str, np.ndarray]:
-        """Adds ``errors`` (n, 3, orders) and ``halves`` (n, 3, 2, 3, orders) by the measure in use."""
+    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+        """See :meth:`Shader.fit`; errors are (n, 3, orders), of halves (n, 3, 2, 3, orders)."""
         values = self.shade(projected, POINTS)
         fits = [fit(values, order, self.full, self.measure) for order in self.orders]
         samples = np.stack([one.samples for one in fits], axis=2)
@@ -209,7 +216,8 @@ class ColourShader(Shader):
                 one = fit_at(points, used, values, order, self.full, self.measure)
                 samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
         bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
-        return {"samples": samples, "bound": bound, "errors": errors, "halves": halves * margin}
+        no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
+        return Assessed(places.pixels, bound, samples, errors, halves * margin, no_options)
 
     def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
         if self.measure == "max":
@@ -226,16 +234,16 @@ class ColourShader(Shader):
         left = left.max(axis=-1) if self.measure == "max" else left.sum(axis=-1)
         return Choice(orders, left, self.words(orders))
 
-    def choose(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose`."""
-        errors = found["errors"]
+        errors = assessed.errors
         return self._of(self.free_orders(self._choose(errors, goal).orders), errors)
 
-    def choose_halves(self, found: dict[str, np.ndarray], goal: np.ndarray) -> Choice:
+    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose_halves`."""
-        return self._choose(found["halves"], goal[:, None, None])
+        return self._choose(assessed.halves, goal[:, None, None])
 
 
-def chosen_samples(found: dict[str, np.ndarray], orders: np.ndarray) -> np.ndarray:
+def chosen_samples(assessed: Assessed, orders: np.ndarray) -> np.ndarray:
     """(n, channels, 6) samples of the chosen (n, channels) orders."""
-    return np.take_along_axis(found["samples"], orders[..., None, None], axis=2)[:, :, 0]
+    return np.take_along_axis(assessed.samples, orders[..., None, None], axis=2)[:, :, 0]

@@ -95,8 +95,8 @@ ERROR_OPTIONS: list[Decorator] = [
         "Accuracy",
         "--budget",
         type=Parsed("N[bytes|clocks]", parse_budget),
-        help="Adaptive: the least error for so many bytes of set-up words, or clocks of the core, e.g. "
-        "20000bytes or 180000clocks.",
+        help="Adaptive: of the pictures of --max-error the one with the least error that takes no more "
+        "bytes of set-up words, or clocks of the core, e.g. 20000bytes or 180000clocks.",
     ),
     option(
         "Accuracy",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,6 +48,14 @@ class ScreenTriangles:
 
     def __len__(self) -> int:
         return len(self.vertices)
+
+    def ordered(self, order: np.ndarray) -> ScreenTriangles:
+        """The same triangles in another order, or a part of them: (m,) int indices."""
+        depth = None if self.depth is None else self.depth[order]
+        return replace(
+            self, vertices=self.vertices[order], samples=self.samples[order], orders=self.orders[order],
+            depth=depth,
+        )  # fmt: skip
 
 
 @dataclass

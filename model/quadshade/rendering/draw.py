@@ -196,8 +196,8 @@ def adapt_note(shaded: Shaded) -> str:
     if adapted is None:
         return ""
     size = stream_bytes(adapted.triangles, adapted.formats)
-    rival = adapted.rival or {}
-    other = f", as {rival['shading']} {rival['bytes']}" if "bytes" in rival else ""
+    rival = adapted.rival
+    other = "" if rival is None or rival.bytes is None else f", as {rival.shading} {rival.bytes}"
     mix = adapted.mix()
     orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
     powers = sum(mix["specular_by_order"].values()) - mix["specular_by_order"]["constant"]
@@ -236,10 +236,9 @@ def adapt_report(
         "share_over_max_error": None if limit is None else figures.exceeding,
     }
     over = "" if limit is None else f", {figures.exceeding:.4%} of the pixels over {limit:g}"
-    note = (
-        f", {adapt_note(shaded)}; error max {figures.largest:.2f}, rms {figures.rms:.3f} "
-        f"(estimated {mix['error_measure']} {mix['estimated_error']:.3f}){over}"
-    )
+    # What was verified is what was measured.
+    estimate = "" if adapted.verified else f" (estimated {adapted.measure} {adapted.error:.3f}, no bound)"
+    note = f", {adapt_note(shaded)}; error max {figures.largest:.2f}, rms {figures.rms:.3f}{estimate}{over}"
     return content, note
 
 

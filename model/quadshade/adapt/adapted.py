@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mesh for an allowed error or a budget: the best picture of each kind of channels, and of those."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from quadshade.adapt.choose import OUTPUT_ROUNDING
+from quadshade.adapt.cosine_shader import CosineShader, LightShader
+from quadshade.adapt.curve import Curve, Picture
+from quadshade.adapt.plan import Adapted, Planner, Rival
+from quadshade.adapt.shader import ColourShader, Shader
+from quadshade.choices import MEASURES, UNITS, check_word
+from quadshade.contract.formats import Formats
+from quadshade.errors import QuadshadeError
+from quadshade.scene.project import Projected
+from quadshade.shading.lights import Light
+from quadshade.shading.material import Material
+from quadshade.shading.specular import specular_formats
+
+SHADERS = {kind.shading: kind for kind in (ColourShader, CosineShader, LightShader)}
+SHADINGS = (*SHADERS, "auto")
+FITTED = ("num_channels", "with_shade", "num_specular")
+"""Generics that are fitted to the lights where the core has no shade unit."""
+HOPELESS = 1.4
+"""A kind of channels whose first picture takes so many times as much as another's is left there."""
+
+
+class ErrorCurve:
+    """
+    What a scene can be drawn for: the pictures for one error or budget after another, of one curve.
+
+    More bytes never give more error, and a larger allowed error never costs more bytes.
+
+    Parameters
+    ----------
+    projected, lights, material, formats, measure, verify, shading, specular
+      As for :func:`adapt`.
+
+    Raises
+    ------
+    QuadshadeError
+      As :func:`adapt`, for what is not about an error or a budget.
+    """
+
+    def __init__(
+        self,
+        projected: Projected,
+        lights: Sequence[Light] | None = None,
+        material: Material | None = None,
+        formats: Formats | None = None,
+        *,
+        measure: str = "max",
+        verify: bool = True,
+        shading: str = "quadratic",
+        specular: Formats | None = None,
+    ) -> None:
+        check_word("error measure", measure, MEASURES)
+        check_word("shading", shading, SHADINGS)
+        self.measure, self.verify = measure, verify
+        self.curves: list[Curve] = []
+        self.refused: dict[str, QuadshadeError] = {}
+        for kind in SHADERS if shading == "auto" else (shading,):
+            try:
+                shader = _shader(kind, projected, lights, material, formats, specular, measure)
+                self.curves.append(Curve(Planner(projected, shader), verify))
+            except QuadshadeError as reason:
+                self.refused[kind] = reason
+        if not self.curves:
+            raise next(iter(self.refused.values()))
+
+    def for_error(self, max_error: float) -> Adapted:
+        """The picture of the fewest bytes that keeps an error; see :func:`adapt`."""
+        least = OUTPUT_ROUNDING if self.measure == "max" else float(np.sqrt(OUTPUT_ROUNDING**2 / 3))
+        if not max_error > least:
+            raise QuadshadeError(
+                f"the allowed error is {max_error:g}",
+                f"rounding the output costs {least:.3g} alone: give more",
+            )
+        if max_error == math.inf:
+            raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
+        first = [curve.picture(curve.first_within(max_error)) for curve in self.curves]
+        enough = HOPELESS * min(picture.cost("bytes") for picture in first)
+        pictures = [
+            curve.cheapest(max_error, "bytes") if picture.cost("bytes") <= enough else picture
+            for curve, picture in zip(self.curves, first, strict=True)
+        ]
+        pictures.sort(key=lambda picture: (picture.error > max_error, picture.cost("bytes")))
+        return self._adapted(pictures, self.refused)
+
+    def for_budget(self, budget: int, unit: str = "bytes") -> Adapted:
+        """The picture with the least error that takes no more than a budget; see :func:`adapt`."""
+        check_word("budget's unit", unit, UNITS)
+        pictures, refused = [], dict(self.refused)
+        for curve in self.curves:
+            picture = curve.best(budget, unit)
+            if picture is None:
+                refused[curve.shading] = QuadshadeError(
+                    f"the budget is {budget} {unit}",
+                    f"the cheapest picture takes {curve.picture(0).cost(unit)}: give more",
+                )
+            else:
+                pictures.append(picture)
+        if not pictures:
+            raise refused[self.curves[0].shading]
+        pictures.sort(key=lambda picture: (picture.error, picture.cost(unit)))
+        return self._adapted(pictures, refused)
+
+    def _adapted(self, pictures: list[Picture], refused: dict[str, QuadshadeError]) -> Adapted:
+        """The first picture, and what is known of the second."""
+        best = pictures[0].plan.adapted(self.verify)
+        if len(pictures) > 1:
+            other = pictures[1]
+            shading = other.plan.planner.shader.shading
+            return replace(best, rival=Rival(shading, other.plan.bytes, other.error))
+        for kind, reason in refused.items():
+            return replace(best, rival=Rival(kind, reason=str(reason)))
+        return best
+
+
+def adapt(
+    projected: Projected,
+    lights: Sequence[Light] | None = None,
+    material: Material | None = None,
+    formats: Formats | None = None,
+    *,
+    max_error: float | None = None,
+    budget: int | None = None,
+    unit: str = "bytes",
+    measure: str = "max",
+    verify: bool = True,
+    shading: str = "quadratic",
+    specular: Formats | None = None,
+) -> Adapted:
+    """
+    Pick for each triangle the cheapest orders, or divide it, for an allowed error or a budget.
+
+    Errors are differences from Phong shading of the undivided mesh, in output units, the rounding of the
+    output included, over every pixel drawn.
+
+    Parameters
+    ----------
+    projected : Projected
+    lights : sequence of lights, optional
+      By default those that go with the viewer.
+    material : Material, optional
+    formats : Formats, optional
+    max_error : float, optional
+      The largest error of any pixel and channel (``max``) or the root mean square (``rms``). This or a
+      budget.
+    budget : int, optional
+      What a picture may take, in ``unit``; of the pictures that ``max_error`` gives for any error, the one
+      with the least error that takes no more.
+    unit : str
+      ``bytes`` of the set-up stream or ``clocks`` of the core.
+    measure : str
+      ``max`` or ``rms``.
+    verify : bool
+      Draw with the golden model, compare every pixel, and be stricter with triangles that exceed the limit.
+      Without, the estimate from 28 points of each triangle decides, which is no bound.
+    shading : str
+      ``quadratic``: red, green and blue. ``quadratic-specular``: diffuse and specular cosines, the power at
+      every pixel. ``quadratic-lights``: each light's diffuse and specular part. ``auto``: all are tried, and
+      the one is taken that keeps the error in fewest bytes, or whose error is least for the budget.
+    specular : Formats, optional
+      Of the core that draws cosines; by default ``formats``, fitted to the lights.
+
+    Returns
+    -------
+    Adapted
+
+    Raises
+    ------
+    QuadshadeError
+      Neither or both of error and budget, an error that the output's rounding alone exceeds, a budget that
+      the cheapest picture exceeds, an unknown unit, measure or shading, a core without three channels; with
+      ``quadratic-specular`` :class:`quadshade.shading.specular.UnsuitedError` for a scene without cosines.
+    """
+    if (max_error is None) == (budget is None):
+        raise QuadshadeError(
+            "an adaptive picture needs a limit", "give a largest error or a budget, not both"
+        )
+    curve = ErrorCurve(
+        projected, lights, material, formats,
+        measure=measure, verify=verify, shading=shading, specular=specular,
+    )  # fmt: skip
+    return curve.for_error(max_error) if max_error is not None else curve.for_budget(budget, unit)
+
+
+def _shader(
+    kind: str,
+    projected: Projected,
+    lights: Sequence[Light] | None,
+    material: Material | None,
+    formats: Formats | None,
+    specular: Formats | None,
+    measure: str,
+) -> Shader:
+    """What shades for one choice of channels."""
+    if kind == ColourShader.shading:
+        return ColourShader(lights, material, formats, projected, measure)
+    if specular is None:
+        given = {} if formats is None else formats.generics()
+        if not given.get("with_shade"):
+            given = {name: value for name, value in given.items() if name not in FITTED}
+        specular = specular_formats(given, projected, lights, material)
+    return SHADERS[kind](lights, material, specular, projected, measure)

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Error against cost: one curve of pictures, in which an allowed error and a budget are both looked up.
+
+The pictures are those planned, drawn and mended for a fixed row of limits (or of prices, for the root mean
+square), the loosest first. Planning is greedy, so that a stricter limit now and then costs less than a looser
+one. Therefore an error takes the cheapest picture among several limits around its own, and a budget the best
+among several around the one where it ends: more bytes never give more error, a larger allowed error never
+costs more bytes, and each is the inverse of the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from quadshade.adapt.choose import OUTPUT_ROUNDING
+from quadshade.adapt.plan import Plan, Planner
+
+STRICTER, LOOSER = 8, 4
+"""Neighbours that are tried: limits up to a third apart from the one that is looked for."""
+DEARER = 1.3
+"""What takes so many times as much ends the search for a stricter limit that takes less,"""
+MISSES = 2
+"""where so many in a row do; and so does what exceeds the error end the search for a looser one."""
+HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS = 1e8, 1e-6, 360
+_MANTISSAS = (
+    (0.5, 1.0, 0.025),
+    (1.0, 2.0, 0.05),
+    (2.0, 5.0, 0.1),
+    (5.0, 10.0, 0.25),
+)
+"""From, to below, and by."""
+
+
+def error_limits(full: float) -> np.ndarray:
+    """
+    Largest errors that pictures are planned for, falling, two to five per cent apart.
+
+    Parameters
+    ----------
+    full : float
+      Largest value of the output; the first limit allows every picture.
+
+    Returns
+    -------
+    (k,) float64
+      Output units, round numbers but for the first; the last is a little more than the output's rounding.
+    """
+    rising, scale = [], 1.0
+    while scale < full:
+        for low, high, step in _MANTISSAS[bool(rising) :]:
+            rising += [scale * (low + index * step) for index in range(round((high - low) / step))]
+        scale *= 10
+    useful = [round(limit, 6) for limit in rising if OUTPUT_ROUNDING < limit < full + OUTPUT_ROUNDING]
+    return np.array([full + OUTPUT_ROUNDING, *reversed(useful)])
+
+
+class Picture(NamedTuple):
+    """A plan and how far it is off, by the measure of its planner."""
+
+    plan: Plan
+    error: float
+
+    def cost(self, unit: str) -> int:
+        """What it takes, in ``bytes`` or ``clocks``."""
+        return self.plan.bytes if unit == "bytes" else self.plan.clocks
+
+
+class Curve:
+    """
+    The pictures of one kind of channels, each planned when it is first asked for.
+
+    Parameters
+    ----------
+    planner : Planner
+    verify : bool
+      Errors are those of the golden model's pixels; else estimates.
+    """
+
+    def __init__(self, planner: Planner, verify: bool) -> None:
+        self.planner, self.verify = planner, verify
+        self.shading = planner.shader.shading
+        if planner.measure == "max":
+            self.steps = error_limits(planner.shader.full)
+        else:
+            self.steps = np.geomspace(HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS)
+        self._known: dict[int, Picture] = {}
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    def picture(self, index: int) -> Picture:
+        """The picture for a limit or a price, the loosest first."""
+        if index not in self._known:
+            self._known[index] = self._made(float(self.steps[index]))
+        return self._known[index]
+
+    def _made(self, step: float) -> Picture:
+        if self.planner.measure == "max":
+            plan = self.planner.for_limit(step, self.verify)
+        else:
+            plan = self.planner.for_price(step)
+        return Picture(plan, plan.error(self.verify))
+
+    def _first(self, good: Callable[[Picture], bool]) -> int:
+        """By bisection: the loosest picture that is good, if all that are stricter are; else the last."""
+        low, high = 0, len(self) - 1
+        while low < high:
+            middle = (low + high) // 2
+            if good(self.picture(middle)):
+                high = middle
+            else:
+                low = middle + 1
+        return low
+
+    def first_within(self, error: float) -> int:
+        """Where to look for an error: pictures from this index on keep it, the last where none does."""
+        if self.planner.measure == "max":
+            return min(int((self.steps > error).sum()), len(self) - 1)
+        return self._first(lambda picture: picture.error <= error)
+
+    def _stricter(self, first: int, unit: str, enough: float) -> list[Picture]:
+        """Pictures from an index on, up to some in a row that take more than enough."""
+        tried: list[Picture] = []
+        dear = 0
+        for index in range(first, min(first + STRICTER, len(self) - 1) + 1):
+            tried.append(self.picture(index))
+            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
+            if dear == MISSES:
+                break
+        return tried
+
+    def cheapest(self, error: float, unit: str) -> Picture:
+        """
+        The picture that takes least of those that keep an error.
+
+        Where there is none, the one whose error is least of those for the strictest limits.
+        """
+        first = self.first_within(error)
+        tried = self._stricter(first, unit, DEARER * self.picture(first).cost(unit))
+        missed = 0
+        while first > 0 and missed < MISSES:
+            first -= 1
+            tried.append(self.picture(first))
+            missed = 0 if tried[-1].error <= error else missed + 1
+        kept = [picture for picture in tried if picture.error <= error]
+        if not kept and self.planner.measure == "max":
+            # Less than the strictest limit in the row.
+            tried.append(self._made(error))
+            kept = [picture for picture in tried[-1:] if picture.error <= error]
+        if not kept:
+            return min(tried, key=lambda picture: (picture.error, picture.cost(unit)))
+        return min(kept, key=lambda picture: (picture.cost(unit), picture.error))
+
+    def best(self, budget: int, unit: str) -> Picture | None:
+        """The picture with the least error that a budget pays for, None where it pays for none."""
+        beyond = self._first(lambda picture: picture.cost(unit) > budget)
+        tried = [self.picture(index) for index in {0, *range(max(beyond - LOOSER, 0), beyond)}]
+        tried += self._stricter(beyond, unit, DEARER * budget)
+        paid = [picture for picture in tried if picture.cost(unit) <= budget]
+        return min(paid, key=lambda picture: (picture.error, picture.cost(unit))) if paid else None
