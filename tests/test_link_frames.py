@@ -25,7 +25,6 @@ from quadshade.contract.protocol import (
 from quadshade.errors import QuadshadeError
 from quadshade.link.faults import FaultInjector
 from quadshade.link.frames import MAX_ENCODED, Frame, FrameParser, enclosed, sealed
-from scripts.experiments import link_faults as faults
 
 
 @st.composite
@@ -189,20 +188,3 @@ def test_faults_are_the_same_for_a_seed_in_any_pieces(seed: int) -> None:
     whole, pieces = FaultInjector(0.05, seed), FaultInjector(0.05, seed)
     assert whole.damage(data) == b"".join(pieces.damage(data[at : at + 7]) for at in range(0, len(data), 7))
     assert whole.injected == pieces.injected
-
-
-@pytest.mark.parametrize("rate", faults.RATES)
-def test_no_damaged_frame_is_accepted(rate: float, seed: int) -> None:
-    result = faults.codec_run(rate, at_least=300, seed=seed)
-    assert result.injected >= 300
-    assert result.wrong == 0
-    assert 0 < result.accepted < result.sent
-
-
-@pytest.mark.parametrize("rate", [1e-3, 1e-2])
-def test_no_session_ends_with_wrong_words(rate: float, seed: int) -> None:
-    result = faults.session_run(rate, at_least=20, seed=seed, words=3000)
-    assert result.injected >= 20
-    assert (result.wrong, result.given_up) == (0, 0)
-    assert result.words == 3000 * result.sessions
-    assert result.resent > 0

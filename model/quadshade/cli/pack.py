@@ -45,7 +45,7 @@ def pack(scene: str, output: Path, pack_error: float | None, **options: Any) -> 
     quadshade dump frame.qs
     """
     with leave_at_once():
-        from quadshade.files.atomic import check_writable, write_atomically
+        from quadshade.files.atomic import check_writable, write_bytes
         from quadshade.rendering.pack import pack_picture
         from quadshade.rendering.settings import RenderSettings
 
@@ -53,5 +53,5 @@ def pack(scene: str, output: Path, pack_error: float | None, **options: Any) -> 
     settings = RenderSettings.collect({"scene": scene, **options})
     with reporting() as reports:
         packed = pack_picture(settings, PACK_ERROR if pack_error is None else pack_error, reports)
-    write_atomically(output, lambda temporary: temporary.write_bytes(packed.content))
+    write_bytes(output, packed.content)
     click.echo(f"{output}: {packed.summary}")

@@ -16,6 +16,7 @@ from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.sources import repository_root, rtl_files
 from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_atomically
 from quadshade.golden.compiled import EmittedPixels
 
 TESTBENCH = "render_core_tb"
@@ -133,8 +134,5 @@ def _draw(
             command += [f"--wave={folder / 'waves.ghw'}"]
         run_tool(command, folder, INSTALL_OR_MODEL)
         if waves is not None:
-            try:
-                shutil.move(folder / "waves.ghw", waves)
-            except OSError as problem:
-                raise QuadshadeError(f"cannot write {waves}: {problem.strerror}") from None
+            write_atomically(waves, lambda temporary: shutil.copyfile(folder / "waves.ghw", temporary))
         return read_pixels(folder / "pixels.txt", formats)

@@ -98,6 +98,11 @@ def write_text(path: Path, text: str) -> None:
     write_atomically(path, write)
 
 
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write bytes atomically; raises :class:`QuadshadeError` where it cannot."""
+    write_atomically(path, lambda temporary: temporary.write_bytes(content))
+
+
 def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
     """Write ``content`` as indented JSON, atomically; raises :class:`QuadshadeError` where it cannot."""
     write_text(path, json.dumps(content, indent=2) + "\n")

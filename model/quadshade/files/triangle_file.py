@@ -13,6 +13,7 @@ import numpy as np
 from quadshade.contract.formats import CONSTANT, LINEAR, ORDER_NAMES, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_text
 from quadshade.files.shade_file import read_shade, shade_content
 
 MAX_CHANNELS = 8
@@ -307,9 +308,4 @@ def write_triangles(path: Path, triangles: ScreenTriangles, formats: Formats) ->
     }
     if triangles.shade is not None:
         content["shade"] = shade_content(triangles.shade, formats)
-    try:
-        Path(path).write_text(json.dumps(content) + "\n")
-    except OSError as error:
-        raise QuadshadeError(
-            f"cannot write {path}: {error.strerror or error}", "choose another path"
-        ) from None
+    write_text(Path(path), json.dumps(content) + "\n")

@@ -16,7 +16,7 @@ from joblib import Parallel, delayed
 
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.files.atomic import write_atomically, write_json
+from quadshade.files.atomic import write_atomically, write_bytes, write_json
 from quadshade.trade.area import DEVICE, count_cells, no_tools
 from quadshade.trade.grid import Grid, Point
 from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, measure, png
@@ -209,7 +209,7 @@ def _write_references(stages: dict[str, Stage], folder: Path) -> dict[str, str]:
     names = {}
     for name, place in stages.items():
         names[name] = f"phong-{name.replace(':', '')}.png"
-        (folder / names[name]).write_bytes(png(place.reference))
+        write_bytes(folder / names[name], png(place.reference))
     return names
 
 

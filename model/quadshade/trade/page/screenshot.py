@@ -13,6 +13,7 @@ from PIL import Image
 
 from quadshade.engine.tool_runner import run_to_end
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_atomically
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 WIDTH, HEIGHT = 1160, 1780
@@ -66,4 +67,5 @@ def take_screenshot(page: Path, picture: Path) -> None:
             last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
             raise QuadshadeError(f"chromium drew nothing: {last}")
         with Image.open(shot) as image:
-            image.convert("RGB").save(picture, format="PNG", optimize=True)
+            drawn = image.convert("RGB")
+        write_atomically(picture, lambda temporary: drawn.save(temporary, format="PNG", optimize=True))
