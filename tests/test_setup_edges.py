@@ -177,7 +177,7 @@ def test_fan_is_watertight(centre: tuple[int, int], rng: np.random.Generator) ->
 def test_one_packet_inside_the_screen(rng: np.random.Generator) -> None:
     vertices = rng.integers(0, 64 * 256 + 1, (2000, 3, 2))
     cut = cut_triangles(vertices, 64, 64, 8)
-    assert np.bincount(cut.heads[:, 0]).max() == 1
+    assert np.bincount(cut.heads["triangle"]).max() == 1
 
 
 def fewest_primitives(vertices: np.ndarray, side: int) -> int:
@@ -221,7 +221,7 @@ def test_fewest_packets(rng: np.random.Generator) -> None:
     """No cut of the triangle into runs of scanlines needs fewer packets."""
     vertices = rng.integers(-20, 32, (800, 3, 2))
     cut = cut_triangles(vertices, 12, 12, 0)
-    got = np.bincount(cut.heads[:, 0], minlength=len(vertices))
+    got = np.bincount(cut.heads["triangle"], minlength=len(vertices))
     for index, corners in enumerate(vertices):
         assert got[index] <= fewest_primitives(corners, 12), corners.tolist()
     assert (got == 2).sum() > 50, "too few triangles across the border to say anything"

@@ -16,7 +16,7 @@ from quadshade.setup import triangle_setup
 from quadshade.setup.colour_words import Colours, colour_exactly
 from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives
-from quadshade.setup.quantise import FIT_FIELDS, SAMPLE_POINTS, fit_linear, region, round_words
+from quadshade.setup.quantise import FIT, SAMPLE_POINTS, fit_linear, region, round_words
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
 
@@ -195,7 +195,7 @@ LARGE = {
 def test_bound_of_large_triangles(shape: str, rng: np.random.Generator) -> None:
     """Under 0.1 grey level at the default formats, whatever the words' fractions are, worst ones included."""
     cut = cut_triangles(np.array([LARGE[shape]]) * 256, 1024, 1024, 8)
-    corners, fit, off = np.zeros((8, 2)), np.zeros(FIT_FIELDS), np.zeros(6)
+    corners, fit, off = np.zeros((8, 2)), np.zeros(1, FIT)[0], np.zeros(6)
     count = region(cut.heads[0], cut.edges[0], False, corners)
     fit_linear(corners, count, np.zeros((SAMPLE_POINTS, 5)), fit)
     fractions = rng.uniform(0, 1, (4000, 6))

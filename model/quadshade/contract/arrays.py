@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import TypeAlias, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -18,3 +18,19 @@ Records: TypeAlias = npt.NDArray[np.void]
 """Elements of a structured dtype: columns with names."""
 Record: TypeAlias = np.void
 """One element of :data:`Records`."""
+
+
+def record_dtype(columns: type) -> np.dtype[np.void]:
+    """
+    The structured dtype of a class that names columns.
+
+    Compiled functions read and write a record's columns as attributes, so the class also serves as the type of
+    one record.
+
+    Parameters
+    ----------
+    columns : type
+      With an annotation a column: ``int`` is int64, ``float`` is float64.
+    """
+    kinds = {int: np.int64, float: np.float64}
+    return np.dtype([(name, kinds[kind]) for name, kind in get_type_hints(columns).items()])

@@ -20,15 +20,32 @@ Every word is computed in float64 with a bound of its own error; where that is n
 
 from __future__ import annotations
 
+from typing import NamedTuple, TypeAlias
+
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import CONSTANT, QUADRATIC
-from quadshade.setup.edges import COLUMN, FIRST_Y, MAJOR_BOTTOM, MAJOR_TOP, MIRROR, STEP
+from quadshade.setup.edges import EdgeState, Head
 
-# A frame's integers: the first pixel's u and v over their denominator, the row step p and the column step q
-# likewise.
-U0, V0, DEN0, UP, VP, DENP, UQ, VQ, DENQ, FRAME_FIELDS = range(10)
+
+class Frame(NamedTuple):
+    """u and v of the first pixel, of the row step p and of the column step q, each over its denominator."""
+
+    u0: int
+    v0: int
+    den0: int
+    pu: int
+    pv: int
+    denp: int
+    qu: int
+    qv: int
+    denq: int
+
+
+Ratios: TypeAlias = tuple[float, float, float, float, float, float]
+"""u0, v0, p's u and v, q's u and v as floats."""
 
 UNIT_ROUNDOFF = 2.0**-53
 ROUNDINGS = 32
@@ -44,9 +61,9 @@ FLOAT_LIMIT = 2.0**51
 
 
 @njit(cache=True, error_model="numpy")
-def lattice_frame(corners, head, major, pixel, fractional, frame):
+def lattice_frame(corners: Ints, head: Head, major: EdgeState, pixel: int, fractional: bool) -> Frame:
     """
-    Integers of (u0, v0), p and q of a primitive.
+    Integers of (u0, v0), p and q of a primitive; ``corners`` (3, 2) are the triangle's, in sub-pixels.
 
     ``fractional`` puts the first pixel of a scanline at the major edge itself, one pixel a step from there
     (Abbas et al., section 5); where the major edge is the screen's border, at the pixel's centre as always.
@@ -58,44 +75,52 @@ def lattice_frame(corners, head, major, pixel, fractional, frame):
     x3, y3 = corners[2, 0] - x1, corners[2, 1] - y1
     area = x2 * y3 - x3 * y2
     sign = 1 if area > 0 else -1
-    along = -sign if head[MIRROR] else sign
-    frame[DENP] = frame[DENQ] = sign * area
-    frame[UQ], frame[VQ] = along * pixel * y3, -along * pixel * y2
-    y = pixel * (2 * head[FIRST_Y] + 1)
-    if fractional and head[MAJOR_TOP] >= 0:
+    along = -sign if head.mirror else sign
+    den = sign * area
+    qu, qv = along * pixel * y3, -along * pixel * y2
+    y = pixel * (2 * head.y + 1)
+    if fractional and head.major_top >= 0:
         # The major edge runs between two corners, where u and v are 0 or 1.
-        top, bottom = head[MAJOR_TOP], head[MAJOR_BOTTOM]
+        top, bottom = head.major_top, head.major_bottom
         height = corners[bottom, 1] - corners[top, 1]
         down = y - 2 * corners[top, 1]
-        frame[DEN0], frame[DENP] = 2 * height, height
-        for part, corner in ((0, 1), (1, 2)):
-            change = (bottom == corner) - (top == corner)
-            frame[U0 + part] = (top == corner) * 2 * height + down * change
-            frame[UP + part] = pixel * change
-    else:
-        column = -1 - major[COLUMN] if head[MIRROR] else major[COLUMN]
-        step = -major[STEP] if head[MIRROR] else major[STEP]
-        x, y = pixel * (2 * column + 1) - 2 * x1, y - 2 * y1
-        frame[DEN0] = 2 * sign * area
-        frame[U0], frame[V0] = sign * (x * y3 - y * x3), sign * (x2 * y - y2 * x)
-        frame[UP], frame[VP] = sign * pixel * (step * y3 - x3), sign * pixel * (x2 - step * y2)
+        change_u, change_v = (bottom == 1) - (top == 1), (bottom == 2) - (top == 2)
+        u0 = (top == 1) * 2 * height + down * change_u
+        v0 = (top == 2) * 2 * height + down * change_v
+        return Frame(u0, v0, 2 * height, pixel * change_u, pixel * change_v, height, qu, qv, den)
+    column = -1 - major.column if head.mirror else major.column
+    step = -major.step if head.mirror else major.step
+    x, y = pixel * (2 * column + 1) - 2 * x1, y - 2 * y1
+    u0, v0 = sign * (x * y3 - y * x3), sign * (x2 * y - y2 * x)
+    pu, pv = sign * pixel * (step * y3 - x3), sign * pixel * (x2 - step * y2)
+    return Frame(u0, v0, 2 * den, pu, pv, den, qu, qv, den)
 
 
 @njit(cache=True, error_model="numpy")
-def lattice_ratios(frame):
-    """(u0, v0), p and q of a frame, six floats."""
+def lattice_ratios(frame: Frame) -> Ratios:
+    """(u0, v0), p and q of a frame."""
     return (
-        frame[U0] / frame[DEN0],
-        frame[V0] / frame[DEN0],
-        frame[UP] / frame[DENP],
-        frame[VP] / frame[DENP],
-        frame[UQ] / frame[DENQ],
-        frame[VQ] / frame[DENQ],
+        frame.u0 / frame.den0,
+        frame.v0 / frame.den0,
+        frame.pu / frame.denp,
+        frame.pv / frame.denp,
+        frame.qu / frame.denq,
+        frame.qv / frame.denq,
     )
 
 
 @njit(cache=True, error_model="numpy")
-def float_words(samples, order, ratios, scale, half, rows, columns, words, errors):
+def float_words(
+    samples: Floats,
+    order: int,
+    ratios: Ratios,
+    scale: float,
+    half: float,
+    rows: bool,
+    columns: bool,
+    words: Floats,
+    errors: Floats,
+) -> None:
     """
     The six differences in units of the last place, and a bound of each one's error.
 
@@ -153,7 +178,7 @@ def float_words(samples, order, ratios, scale, half, rows, columns, words, error
 def exact_words(
     samples: np.ndarray,
     order: int,
-    frame: np.ndarray,
+    frame: Frame,
     frac_bits: int,
     rows: bool,
     columns: bool,
@@ -166,7 +191,7 @@ def exact_words(
     ----------
     samples : (6,) float64
     order : int
-    frame : (9,) int64
+    frame : Frame
       From :func:`lattice_frame`.
     frac_bits : int
     rows, columns : bool

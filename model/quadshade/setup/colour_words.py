@@ -4,24 +4,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.setup.coefficients import (
     FLOAT_LIMIT,
-    FRAME_FIELDS,
     UNIT_ROUNDOFF,
     exact_words,
     float_words,
     lattice_frame,
     lattice_ratios,
 )
-from quadshade.setup.edges import TRIANGLE, Cut
-from quadshade.setup.literature.terms import STEP_FIELDS, Terms, lattice_steps, term_words
+from quadshade.setup.edges import Cut
+from quadshade.setup.literature.terms import Terms, lattice_steps, term_words
 from quadshade.setup.quantise import (
-    FIT_FIELDS,
+    FIT,
     SAMPLE_POINTS,
     carried_error,
     fit_linear,
@@ -46,8 +47,6 @@ class Colours:
     fractional : bool
     joint : bool
       How words are rounded.
-    terms : Terms or None
-      Coefficients by another method than the set-up's own, for quadratic channels.
     guard_bits : int
       Bits below an output unit at which colour lanes round.
     """
@@ -58,7 +57,6 @@ class Colours:
     formats: Formats
     fractional: bool
     joint: bool
-    terms: Terms | None = None
     guard_bits: int = 0
 
     @property
@@ -72,29 +70,62 @@ class Colours:
         return 0.5 ** (1.0 + np.array(self.guards))
 
 
+class _Given(NamedTuple):
+    """
+    What the kernels need of :class:`Colours`.
+
+    ``scales`` and ``halves`` have an entry a channel: units in the last place of an output unit, and half a
+    unit of what its lane emits. ``pixel`` is the sub-pixels of a pixel, ``half`` what a word's sign bit is
+    worth.
+    """
+
+    vertices: Ints
+    samples: Floats
+    orders: Ints
+    scales: Floats
+    halves: Floats
+    pixel: int
+    fractional: bool
+    joint: bool
+    half: int
+
+
+def _given(colours: Colours) -> _Given:
+    formats = colours.formats
+    return _Given(
+        colours.vertices,
+        colours.samples,
+        colours.orders,
+        2.0 ** np.array(formats.channel_frac_bits),
+        colours.halves,
+        1 << formats.subpixel_bits,
+        colours.fractional,
+        colours.joint,
+        1 << (formats.word_width - 1),
+    )
+
+
 @njit(cache=True)
-def _wrap(value, half):
+def _wrap(value: int, half: int) -> int:
     """Two's complement of a word whose sign bit is worth ``half``, sign extended."""
     return ((value + half) & (2 * half - 1)) - half
 
 
 @njit(cache=True, error_model="numpy")
-def _colour(
-    heads, edges, vertices, samples, orders, scales, halves, pixel, fractional, joint, half, words, bounds,
-    again,
-):  # fmt: skip
+def _colour(cut: Cut, given: _Given, words: Ints, bounds: Floats, again: Bools) -> None:
     """Words and bounds of all primitives; ``again`` marks those for which float64 is not good enough."""
+    vertices, samples, orders, scales, halves, pixel, fractional, joint, half = given
+    heads, edges = cut
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit = np.zeros(FIT_FIELDS)
-    frame = np.zeros(FRAME_FIELDS, np.int64)
+    fit = np.zeros(1, FIT)[0]
     real, errors, fraction, off = np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6)
     for p in range(len(heads)):
-        triangle = heads[p, TRIANGLE]
+        triangle = heads[p].triangle
         count = region(heads[p], edges[p], fractional, corners)
         rows, columns = reach(corners, count)
         if joint:
             fit_linear(corners, count, scratch, fit)
-        lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional, frame)
+        frame = lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional)
         ratios = lattice_ratios(frame)
         for channel in range(len(scales)):
             scale, order = scales[channel], orders[triangle, channel]
@@ -113,9 +144,7 @@ def _colour(
             bounds[p, channel] = (bound + carried) / scale
             for difference in range(6):
                 # Floor and fraction are exact below FLOAT_LIMIT, so this is the integer that was chosen.
-                words[p, channel, difference] = _wrap(
-                    np.int64(np.rint(real[difference] + off[difference])), half
-                )
+                words[p, channel, difference] = _wrap(int(np.rint(real[difference] + off[difference])), half)
 
 
 def colour_exactly(
@@ -134,16 +163,15 @@ def colour_exactly(
     """
     formats, fractional = colours.formats, colours.fractional
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit, off = np.zeros(FIT_FIELDS), np.zeros(6)
-    frame = np.zeros(FRAME_FIELDS, np.int64)
+    fit, off = np.zeros(1, FIT)[0], np.zeros(6)
     errors = np.full(6, UNIT_ROUNDOFF)
     half, frac_bits = 1 << (formats.word_width - 1), formats.channel_frac_bits
     pixel = 1 << formats.subpixel_bits
     for p in np.flatnonzero(again.any(axis=1)):
-        triangle = cut.heads[p, TRIANGLE]
+        triangle = cut.heads["triangle"][p]
         corners_used = region(cut.heads[p], cut.edges[p], fractional, corners)
         fit_linear(corners, corners_used, scratch, fit)
-        lattice_frame(colours.vertices[triangle], cut.heads[p], cut.edges[p, 0], pixel, fractional, frame)
+        frame = lattice_frame(colours.vertices[triangle], cut.heads[p], cut.edges[p, 0], pixel, fractional)
         rows, columns = reach(corners, corners_used)
         for channel in np.flatnonzero(again[p]):
             order = colours.orders[triangle, channel]
@@ -167,27 +195,27 @@ def colour_exactly(
 
 @njit(cache=True, error_model="numpy")
 def _colour_by_terms(
-    heads, edges, vertices, origins, terms, samples, orders, scales, halves, pixel, fractional, joint, half,
-    words, bounds, undefined,
-):  # fmt: skip
+    cut: Cut, given: _Given, origins: Ints, terms: Floats, words: Ints, bounds: Floats, undefined: Bools
+) -> None:
     """
     Words of quadratic channels from coefficients T0 to T5; what they are off the set-up's own goes into the
     bound. ``undefined`` marks coefficients that are not finite, or whose words float64 cannot round.
     """
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit, steps = np.zeros(FIT_FIELDS), np.zeros(STEP_FIELDS)
-    frame = np.zeros(FRAME_FIELDS, np.int64)
+    vertices, samples, orders, scales, halves, pixel, fractional, joint, half = given
+    heads, edges = cut
+    fit = np.zeros(1, FIT)[0]
     true, errors, real, fraction, off = (
         np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6),
     )  # fmt: skip
     for p in range(len(heads)):
-        triangle = heads[p, TRIANGLE]
+        triangle = heads[p].triangle
         count = region(heads[p], edges[p], fractional, corners)
         rows, columns = reach(corners, count)
         fit_linear(corners, count, scratch, fit)
-        lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional, frame)
+        frame = lattice_frame(vertices[triangle], heads[p], edges[p, 0], pixel, fractional)
         ratios = lattice_ratios(frame)
-        lattice_steps(vertices[triangle], origins[triangle], heads[p], edges[p, 0], pixel, fractional, steps)
+        steps = lattice_steps(vertices[triangle], origins[triangle], heads[p], edges[p, 0], pixel, fractional)
         for channel in range(len(scales)):
             scale, order = scales[channel], orders[triangle, channel]
             if order != QUADRATIC:
@@ -207,9 +235,7 @@ def _colour_by_terms(
             bound = round_words(fraction, order, corners, count, fit, joint, off)
             bounds[p, channel] = (bound + carried_error(rows, columns, errors)) / scale
             for difference in range(6):
-                words[p, channel, difference] = _wrap(
-                    np.int64(np.rint(real[difference] + off[difference])), half
-                )
+                words[p, channel, difference] = _wrap(int(np.rint(real[difference] + off[difference])), half)
 
 
 def colour_words(cut: Cut, colours: Colours) -> tuple[np.ndarray, np.ndarray]:
@@ -228,38 +254,27 @@ def colour_words(cut: Cut, colours: Colours) -> tuple[np.ndarray, np.ndarray]:
     bounds : (n, c) float64
       Most that an emitted value is off the exact quadratic, in output units, before the final rounding.
     """
-    formats, shape = colours.formats, (len(cut.heads), colours.formats.carried_channels)
+    shape = (len(cut.heads), colours.formats.carried_channels)
     words, bounds = np.zeros((*shape, 6), dtype=np.int64), np.zeros(shape)
     again = np.zeros(shape, dtype=np.bool_)
-    _colour(
-        cut.heads,
-        cut.edges,
-        colours.vertices,
-        colours.samples,
-        colours.orders,
-        2.0 ** np.array(formats.channel_frac_bits),
-        colours.halves,
-        1 << formats.subpixel_bits,
-        colours.fractional,
-        colours.joint,
-        1 << (formats.word_width - 1),
-        words,
-        bounds,
-        again,
-    )
+    _colour(cut, _given(colours), words, bounds, again)
     if again.any():
         colour_exactly(cut, colours, words, bounds, again)
     return words, bounds * (1.0 + 2.0**-40)
 
 
-def words_by_terms(cut: Cut, colours: Colours, words: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+def words_by_terms(
+    cut: Cut, colours: Colours, terms: Terms, words: np.ndarray, bounds: np.ndarray
+) -> np.ndarray:
     """
-    Replace quadratic channels' words by those of ``colours.terms``; the bounds then hold their error as well.
+    Replace quadratic channels' words by those of coefficients; the bounds then hold their error as well.
 
     Parameters
     ----------
     cut : Cut
     colours : Colours
+    terms : Terms
+      By another method than the set-up's own.
     words, bounds : (n, c, 6) int64, (n, c) float64
       From :func:`colour_words`; written.
 
@@ -271,25 +286,8 @@ def words_by_terms(cut: Cut, colours: Colours, words: np.ndarray, bounds: np.nda
     """
     formats = colours.formats
     undefined = np.zeros(bounds.shape, dtype=np.bool_)
-    _colour_by_terms(
-        cut.heads,
-        cut.edges,
-        colours.vertices,
-        colours.terms.origins,
-        colours.terms.values,
-        colours.samples,
-        colours.orders,
-        2.0 ** np.array(formats.channel_frac_bits),
-        colours.halves,
-        1 << formats.subpixel_bits,
-        colours.fractional,
-        colours.joint,
-        1 << (formats.word_width - 1),
-        words,
-        bounds,
-        undefined,
-    )
-    quadratic = colours.orders[cut.heads[:, TRIANGLE]] == QUADRATIC
+    _colour_by_terms(cut, _given(colours), terms.origins, terms.values, words, bounds, undefined)
+    quadratic = colours.orders[cut.heads["triangle"]] == QUADRATIC
     undefined |= quadratic & (bounds > 0.5 * 2.0 ** np.array(formats.channel_value_bits))
     words[undefined], bounds[undefined] = 0, 0.0
     return undefined

@@ -15,23 +15,10 @@ from typing import NoReturn
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Floats, Ints, Records
 from quadshade.errors import QuadshadeError
 from quadshade.setup.colour_words import Colours, colour_words
-from quadshade.setup.edges import (
-    COLUMN,
-    FIRST_Y,
-    HEAD_FIELDS,
-    MAX_PRIMITIVES,
-    MAX_RUNS,
-    MIRROR,
-    ROWS_FIRST,
-    ROWS_SECOND,
-    RUN_FIELDS,
-    STATE_FIELDS,
-    TRIANGLE,
-    Cut,
-    cut_one,
-)
+from quadshade.setup.edges import MAX_PRIMITIVES, Cut, Sides, Window, cut_one, empty_cut, empty_sides
 from quadshade.setup.quantise import reach, region
 
 BARELY = 1.0 + 2.0**-20
@@ -44,10 +31,10 @@ LEFT, TOP, RIGHT, BOTTOM = range(4)
 
 
 @njit(cache=True)
-def _cut_windows(vertices, owners, windows, bits, heads, edges, window_of):
+def _cut_windows(
+    vertices: Ints, owners: Ints, windows: Ints, bits: int, sides: Sides, out: Cut, window_of: Ints
+) -> int:
     """Cut triangle ``owners[k]`` by ``windows[k]``, for all k; returns the number of primitives."""
-    left = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
-    right = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
     corners = np.zeros((3, 2), np.int64)
     count = 0
     for k in range(len(owners)):
@@ -55,28 +42,30 @@ def _cut_windows(vertices, owners, windows, bits, heads, edges, window_of):
         corners[:, 0] = vertices[owners[k], :, 0] - (x << bits)
         corners[:, 1] = vertices[owners[k], :, 1] - (y << bits)
         first = count
-        width, height = windows[k, RIGHT] - x, windows[k, BOTTOM] - y
-        count = cut_one(owners[k], corners, bits, width, height, left, right, heads, edges, count)
+        window = Window(windows[k, RIGHT] - x, windows[k, BOTTOM] - y, bits)
+        count = cut_one(owners[k], corners, window, sides, out, count)
         for p in range(first, count):
             window_of[p] = k
-            heads[p, FIRST_Y] += y
+            head, edges = out.heads[p], out.edges[p]
+            head.y += y
             # Mirrored, the hardware's column is u = -1 - x.
-            shift = -x if heads[p, MIRROR] else x
-            edges[p, 0, COLUMN] += shift
-            edges[p, 1, COLUMN] += shift
-            if heads[p, ROWS_SECOND] > 0:
-                edges[p, 2, COLUMN] += shift
+            shift = -x if head.mirror else x
+            edges[0].column += shift
+            edges[1].column += shift
+            if head.rows_second > 0:
+                edges[2].column += shift
     return count
 
 
 @njit(cache=True)
-def _extent(heads, edges):
+def _extent(cut: Cut) -> Floats:
     """(n, 2) scanlines, and columns from the major edge's lattice, of every primitive."""
     corners = np.zeros((8, 2))
-    out = np.zeros((len(heads), 2))
-    for p in range(len(heads)):
-        out[p, 1] = reach(corners, region(heads[p], edges[p], False, corners))[1]
-        out[p, 0] = heads[p, ROWS_FIRST] + heads[p, ROWS_SECOND]
+    out = np.zeros((len(cut.heads), 2))
+    for p in range(len(cut.heads)):
+        head = cut.heads[p]
+        out[p, 1] = reach(corners, region(head, cut.edges[p], False, corners))[1]
+        out[p, 0] = head.rows_first + head.rows_second
     return out
 
 
@@ -136,12 +125,12 @@ def divide(
       The bound is not met at a single pixel: the format's fraction is too short.
     """
     formats = colours.formats
-    over = np.unique(cut.heads[beyond(bounds, formats.num_channels, limit).any(axis=1), TRIANGLE])
+    over = np.unique(cut.heads["triangle"][beyond(bounds, formats.num_channels, limit).any(axis=1)])
     if not len(over):
         return cut, words, bounds
     if limit <= 0.5 * 2.0**-formats.frac_bits:
         _refuse(over[0], limit, formats.frac_bits)
-    kept = ~np.isin(cut.heads[:, TRIANGLE], over)
+    kept = ~np.isin(cut.heads["triangle"], over)
     done = [(cut.heads[kept], cut.edges[kept], words[kept], bounds[kept])]
     owners, windows = over, _first_windows(colours.vertices[over], width, height, formats.subpixel_bits)
     while len(owners):
@@ -151,21 +140,21 @@ def divide(
         owners = np.concatenate([owners[:-CHUNK], more_owners])
         windows = np.concatenate([windows[:-CHUNK], more_windows])
     heads, edges, words, bounds = (np.concatenate(column) for column in zip(*done, strict=True))
-    order = np.lexsort((heads[:, FIRST_Y], heads[:, TRIANGLE]))
+    order = np.lexsort((heads["y"], heads["triangle"]))
     return Cut(heads[order], edges[order]), words[order], bounds[order]
 
 
 def _try(
     owners: np.ndarray, windows: np.ndarray, limit: float, colours: Colours
-) -> tuple[tuple, np.ndarray, np.ndarray]:
+) -> tuple[tuple[Records, Records, Ints, Floats], Ints, Ints]:
     """Primitives of the windows that hold the limit, and the halves of the others with their triangles."""
     formats = colours.formats
     room = len(owners) * MAX_PRIMITIVES
-    heads, edges = np.empty((room, HEAD_FIELDS), np.int64), np.empty((room, 3, STATE_FIELDS), np.int64)
-    window_of = np.empty(room, np.int64)
-    count = _cut_windows(colours.vertices, owners, windows, formats.subpixel_bits, heads, edges, window_of)
-    heads, edges, window_of = heads[:count], edges[:count], window_of[:count]
-    words, bounds = colour_words(Cut(heads, edges), colours)
+    cut, window_of = empty_cut(room), np.empty(room, np.int64)
+    bits, sides = formats.subpixel_bits, empty_sides()
+    count = _cut_windows(colours.vertices, owners, windows, bits, sides, cut, window_of)
+    cut, window_of = Cut(cut.heads[:count], cut.edges[:count]), window_of[:count]
+    words, bounds = colour_words(cut, colours)
     again = np.zeros(len(owners), dtype=bool)
     again[window_of[beyond(bounds, formats.num_channels, limit).any(axis=1)]] = True
     sizes = windows[:, [RIGHT, BOTTOM]] - windows[:, [LEFT, TOP]]
@@ -173,10 +162,10 @@ def _try(
     if single.any():
         _refuse(owners[np.argmax(single)], limit, formats.frac_bits)
     extent = np.zeros((len(owners), 2))
-    np.maximum.at(extent, window_of, _extent(heads, edges))
+    np.maximum.at(extent, window_of, _extent(cut))
     across = (extent[:, 1] > extent[:, 0]) & (sizes[:, 0] > 1) | (sizes[:, 1] == 1)
     good = ~again[window_of]
-    parts = heads[good], edges[good], words[good], bounds[good]
+    parts = cut.heads[good], cut.edges[good], words[good], bounds[good]
     return parts, np.repeat(owners[again], 2), _halves(windows[again], across[again])
 
 

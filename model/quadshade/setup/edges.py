@@ -17,18 +17,58 @@ product above is below 2**54.3 and their sum below 2**55.5: int64 holds all of i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-# Columns of Cut.heads.
-TRIANGLE, FIRST_Y, ROWS_FIRST, ROWS_SECOND, MIRROR, MAJOR_TOP, MAJOR_BOTTOM, HEAD_FIELDS = range(8)
-# Columns of an edge in Cut.edges: floor(m / dy), m mod dy, dx div dy, dx mod dy, dy.
-COLUMN, REMAINDER, STEP, INCREMENT, HEIGHT, STATE_FIELDS = range(6)
-# Columns of a side's runs: the scanlines [START, END), m at START, dx, dy, the edge's two vertices (-1: the
-# border).
-_START, _END, _M, _DX, _DY, _TOP, _BOTTOM, RUN_FIELDS = range(8)
+from quadshade.contract.arrays import Ints, Records, record_dtype
+
+
+class Head:
+    """
+    Columns of a primitive's head.
+
+    ``y`` is the first scanline, ``major_top`` and ``major_bottom`` are the two vertices of the triangle's edge
+    that is the major edge (-1: it is the border of the screen), ``mirror`` is 0 or 1.
+    """
+
+    triangle: int
+    y: int
+    rows_first: int
+    rows_second: int
+    mirror: int
+    major_top: int
+    major_bottom: int
+
+
+class EdgeState:
+    """Columns of an edge at its first scanline: floor(m / dy), m mod dy, dx div dy, dx mod dy, dy."""
+
+    column: int
+    remainder: int
+    step: int
+    increment: int
+    height: int
+
+
+class Run:
+    """
+    Columns of a part of a side: the scanlines from ``start`` to before ``end``, along one edge.
+
+    ``m`` is that at ``start``; ``top`` and ``bottom`` are the edge's two vertices (-1: the border).
+    """
+
+    start: int
+    end: int
+    m: int
+    dx: int
+    dy: int
+    top: int
+    bottom: int
+
+
+HEAD, EDGE_STATE, RUN = record_dtype(Head), record_dtype(EdgeState), record_dtype(Run)
 
 MAX_RUNS = 6
 """A side is at most two edges, each at most border, edge, border."""
@@ -36,49 +76,80 @@ MAX_PRIMITIVES = 2 * MAX_RUNS
 """Each primitive but the last uses up at least one run of a side."""
 
 
-@dataclass
-class Cut:
+class Cut(NamedTuple):
     """
     Primitives before colour: what covers which pixels.
 
     Attributes
     ----------
-    heads : (n, 7) int64
-      Triangle, first scanline, scanlines along the first and the second minor edge, mirror, and the two
-      vertices of the triangle's edge that is the major edge (-1: it is the border of the screen).
-    edges : (n, 3, 5) int64
-      Major, minor, second: column, remainder, step, increment, height, in u (mirrored: u = -1 - x).
+    heads : (n,) records of :class:`Head`
+    edges : (n, 3) records of :class:`EdgeState`
+      Major, minor, second edge (zeros where there is none), in u (mirrored: u = -1 - x).
     """
 
-    heads: np.ndarray
-    edges: np.ndarray
+    heads: Records
+    edges: Records
+
+
+class Window(NamedTuple):
+    """The part of the screen that is cut to: its size in pixels, the sub-pixel bits of the vertices."""
+
+    width: int
+    height: int
+    bits: int
+
+
+class Sides(NamedTuple):
+    """Room for the runs of both sides of a triangle, records of :class:`Run`."""
+
+    left: Records
+    right: Records
+
+
+class _Line(NamedTuple):
+    """An edge from scanline ``y`` on: ``m`` there, and its extent."""
+
+    m: int
+    dx: int
+    dy: int
+    y: int
+
+
+def empty_cut(size: int) -> Cut:
+    """Room for primitives."""
+    return Cut(np.zeros(size, HEAD), np.zeros((size, 3), EDGE_STATE))
+
+
+def empty_sides() -> Sides:
+    """Room for the sides of one triangle."""
+    return Sides(np.zeros(MAX_RUNS, RUN), np.zeros(MAX_RUNS, RUN))
 
 
 @njit(cache=True)
-def _first_scanline(y, bits):
+def _first_scanline(y: int, bits: int) -> int:
     """First scanline whose centre is at or below y: ceil(y / S - 1/2), S = 2**bits."""
     return -(((1 << bits) - 2 * y) >> (bits + 1))
 
 
 @njit(cache=True)
-def _line(corners, top, bottom, y, bits):
-    """The edge between two vertices from scanline y on: m there, dx, dy, y."""
+def _line(corners: Ints, top: int, bottom: int, y: int, bits: int) -> _Line:
+    """The edge between two vertices from scanline y on."""
     xa, ya = corners[top, 0], corners[top, 1]
     dx, dy = corners[bottom, 0] - xa, corners[bottom, 1] - ya
     # Relative to the edge's own top vertex, everything fits; the shift floors.
     down = ((2 * y + 1) << bits) - 2 * ya
-    return (2 * xa * dy + down * dx + (dy << bits) - 1) >> (bits + 1), dx, dy, y
+    return _Line((2 * xa * dy + down * dx + (dy << bits) - 1) >> (bits + 1), dx, dy, y)
 
 
 @njit(cache=True)
-def _line_column(line, y):
+def _line_column(line: _Line, y: int) -> int:
     """Column of a line from :func:`_line` at scanline y."""
     m, dx, dy, since = line
     return (m + (y - since) * dx) // dy
 
 
 @njit(cache=True)
-def _between(long, broken, area, y):
+def _between(long: _Line, broken: _Line, area: int, y: int) -> bool:
     """Whether scanline y has a pixel between a triangle's long edge and one of the other two."""
     if area > 0:
         return _line_column(long, y) < _line_column(broken, y)
@@ -86,32 +157,32 @@ def _between(long, broken, area, y):
 
 
 @njit(cache=True)
-def _clamp(value, low, high):
+def _clamp(value: int, low: int, high: int) -> int:
     return min(max(value, low), high)
 
 
 @njit(cache=True)
-def _push(runs, count, start, end, m, dx, dy, top, bottom):
-    """Append a run to a side; an empty one is dropped, a border that goes on is extended."""
-    if start >= end:
+def _push(runs: Records, count: int, end: int, line: _Line, top: int, bottom: int) -> int:
+    """Append the run of a line up to ``end``; an empty one is dropped, a border that goes on is extended."""
+    if line.y >= end:
         return count
-    if count and top < 0 and runs[count - 1, _TOP] < 0 and runs[count - 1, _M] == m:
-        runs[count - 1, _END] = end
-        return count
+    if count and top < 0:
+        last = runs[count - 1]
+        if last.top < 0 and last.m == line.m:
+            last.end = end
+            return count
     run = runs[count]
-    run[_START], run[_END], run[_M], run[_DX], run[_DY] = start, end, m, dx, dy
-    run[_TOP], run[_BOTTOM] = top, bottom
+    run.start, run.end, run.m, run.dx, run.dy = line.y, end, line.m, line.dx, line.dy
+    run.top, run.bottom = top, bottom
     return count + 1
 
 
 @njit(cache=True)
-def _push_edge(runs, count, start, end, corners, top, bottom, bits, width):
-    """
-    Append an edge over scanlines [start, end), replaced by the border where its column leaves 0 .. width.
-    """
+def _push_edge(runs: Records, count: int, end: int, line: _Line, top: int, bottom: int, width: int) -> int:
+    """Append a line up to ``end``, replaced by the border where its column leaves 0 .. width."""
+    m, dx, dy, start = line
     if start >= end:
         return count
-    m, dx, dy, _ = _line(corners, top, bottom, start, bits)
     limit = (width + 1) * dy
     rows = end - start
     before, after = 0, width
@@ -125,64 +196,65 @@ def _push_edge(runs, count, start, end, corners, top, bottom, bits, width):
     else:
         enter = rows if m < 0 else 0
         leave = 0 if m >= limit else rows
-    count = _push(runs, count, start, start + enter, before, 0, 1, -1, -1)
-    count = _push(runs, count, start + enter, start + leave, m + enter * dx, dx, dy, top, bottom)
-    return _push(runs, count, max(start + leave, start + enter), end, after, 0, 1, -1, -1)
+    count = _push(runs, count, start + enter, _Line(before, 0, 1, start), -1, -1)
+    within = _Line(m + enter * dx, dx, dy, start + enter)
+    count = _push(runs, count, start + leave, within, top, bottom)
+    return _push(runs, count, end, _Line(after, 0, 1, start + max(leave, enter)), -1, -1)
 
 
 @njit(cache=True)
-def _run_line(run):
-    return run[_M], run[_DX], run[_DY], run[_START]
+def _run_line(run: Run) -> _Line:
+    return _Line(run.m, run.dx, run.dy, run.start)
 
 
 @njit(cache=True)
-def _column(run, y):
+def _column(run: Run, y: int) -> int:
     return _line_column(_run_line(run), y)
 
 
 @njit(cache=True)
-def _run_at(runs, y):
+def _run_at(runs: Records, y: int) -> int:
     index = 0
-    while runs[index, _END] <= y:
+    while runs[index].end <= y:
         index += 1
     return index
 
 
 @njit(cache=True)
-def _next_covered(left, right, y, end, width):
+def _next_covered(sides: Sides, y: int, end: int, width: int) -> int:
     """First scanline from y on that has a pixel, or end."""
     while y < end:
-        a, b = left[_run_at(left, y)], right[_run_at(right, y)]
+        a, b = sides.left[_run_at(sides.left, y)], sides.right[_run_at(sides.right, y)]
         if _column(a, y) < _column(b, y):
             return y
         # Whole runs beyond the border are skipped, so that a tall triangle beside the screen costs nothing.
-        if a[_TOP] < 0 and a[_M] == width:
-            y = a[_END]
-        elif b[_TOP] < 0 and b[_M] == 0:
-            y = b[_END]
+        if a.top < 0 and a.m == width:
+            y = a.end
+        elif b.top < 0 and b.m == 0:
+            y = b.end
         else:
             y += 1
     return end
 
 
 @njit(cache=True)
-def _last_covered(left, right, first, y, width):
+def _last_covered(sides: Sides, first: int, y: int, width: int) -> int:
     """Last scanline from y upwards that has a pixel, or first - 1."""
     while y >= first:
-        a, b = left[_run_at(left, y)], right[_run_at(right, y)]
+        a, b = sides.left[_run_at(sides.left, y)], sides.right[_run_at(sides.right, y)]
         if _column(a, y) < _column(b, y):
             return y
-        if a[_TOP] < 0 and a[_M] == width:
-            y = a[_START] - 1
-        elif b[_TOP] < 0 and b[_M] == 0:
-            y = b[_START] - 1
+        if a.top < 0 and a.m == width:
+            y = a.start - 1
+        elif b.top < 0 and b.m == 0:
+            y = b.start - 1
         else:
             y -= 1
     return first - 1
 
 
 @njit(cache=True)
-def _set_state(state, line, y, rows, mirror):
+def _set_state(state: EdgeState, line: _Line, y: int, rows: int, mirror: bool) -> None:
     """The DDA of a line from scanline y on, in u. Mirrored: -floor(m / dy) = floor((dy - 1 - m) / dy)."""
     m, dx, dy, since = line
     m += (y - since) * dx
@@ -190,15 +262,15 @@ def _set_state(state, line, y, rows, mirror):
         m, dx = dy - 1 - m, -dx
     column = m // dy
     if dx == 0 or rows == 1:
-        state[COLUMN], state[REMAINDER], state[STEP], state[INCREMENT], state[HEIGHT] = column, 0, 0, 0, 1
+        state.column, state.remainder, state.step, state.increment, state.height = column, 0, 0, 0, 1
         return
     step = dx // dy
-    state[COLUMN], state[REMAINDER] = column, m - column * dy
-    state[STEP], state[INCREMENT], state[HEIGHT] = step, dx - step * dy, dy
+    state.column, state.remainder = column, m - column * dy
+    state.step, state.increment, state.height = step, dx - step * dy, dy
 
 
 @njit(cache=True)
-def _sorted(corners):
+def _sorted(corners: Ints) -> tuple[int, int, int, int]:
     """Indices of the top, middle and bottom vertex; where the middle one is: > 0 right of the long edge."""
     top, middle, bottom = 0, 1, 2
     if corners[top, 1] > corners[middle, 1]:
@@ -214,25 +286,40 @@ def _sorted(corners):
 
 
 @njit(cache=True)
-def _sides(corners, bits, width, height, left, right):
-    """Runs of both sides and the scanlines [first, end) of a triangle on the screen (empty: first >= end)."""
+def _sides(corners: Ints, window: Window, sides: Sides) -> tuple[int, int, int, int]:
+    """
+    Write both sides of a triangle on the screen.
+
+    Returns
+    -------
+    first, end : int
+      Its scanlines are those from ``first`` to before ``end``; there are none where ``first >= end``.
+    left_count, right_count : int
+      Runs of the sides.
+    """
+    width, height, bits = window
     top, middle, bottom, area = _sorted(corners)
     first = max(_first_scanline(corners[top, 1], bits), 0)
     end = min(_first_scanline(corners[bottom, 1], bits), height)
     if first >= end or area == 0:
         return 0, 0, 0, 0
     knee = _clamp(_first_scanline(corners[middle, 1], bits), first, end)
-    long, broken = (left, right) if area > 0 else (right, left)
-    long_count = _push_edge(long, 0, first, end, corners, top, bottom, bits, width)
-    broken_count = _push_edge(broken, 0, first, knee, corners, top, middle, bits, width)
-    broken_count = _push_edge(broken, broken_count, knee, end, corners, middle, bottom, bits, width)
+    long, broken = (sides.left, sides.right) if area > 0 else (sides.right, sides.left)
+    broken_count = 0
+    long_count = _push_edge(long, 0, end, _line(corners, top, bottom, first, bits), top, bottom, width)
+    if first < knee:
+        upper = _line(corners, top, middle, first, bits)
+        broken_count = _push_edge(broken, 0, knee, upper, top, middle, width)
+    if knee < end:
+        lower = _line(corners, middle, bottom, knee, bits)
+        broken_count = _push_edge(broken, broken_count, end, lower, middle, bottom, width)
     if area > 0:
         return first, end, long_count, broken_count
     return first, end, broken_count, long_count
 
 
 @njit(cache=True)
-def _inside(corners, right, bottom):
+def _inside(corners: Ints, right: int, bottom: int) -> bool:
     """Whether a triangle lies on the screen, its border included."""
     for corner in range(3):
         if not (0 <= corners[corner, 0] <= right and 0 <= corners[corner, 1] <= bottom):
@@ -241,7 +328,7 @@ def _inside(corners, right, bottom):
 
 
 @njit(cache=True)
-def _cut_inside(index, corners, bits, heads, edges, count):
+def _cut_inside(triangle: int, corners: Ints, bits: int, out: Cut, count: int) -> int:
     """
     Append the one primitive of a triangle that lies on the screen, if it has a pixel.
 
@@ -272,70 +359,66 @@ def _cut_inside(index, corners, bits, heads, edges, count):
         major, minor = minor, long
         major_top, major_bottom = (top, middle) if y < knee else (middle, bottom)
     rows_first = knee - y if split else end - y
-    head = heads[count]
-    head[TRIANGLE], head[FIRST_Y], head[MIRROR] = index, y, mirror
-    head[ROWS_FIRST], head[ROWS_SECOND] = rows_first, end - y - rows_first
-    head[MAJOR_TOP], head[MAJOR_BOTTOM] = major_top, major_bottom
-    _set_state(edges[count, 0], major, y, end - y, mirror)
-    _set_state(edges[count, 1], minor, y, rows_first, mirror)
+    head = out.heads[count]
+    head.triangle, head.y, head.mirror = triangle, y, mirror
+    head.rows_first, head.rows_second = rows_first, end - y - rows_first
+    head.major_top, head.major_bottom = major_top, major_bottom
+    _set_state(out.edges[count, 0], major, y, end - y, mirror)
+    _set_state(out.edges[count, 1], minor, y, rows_first, mirror)
     if split:
-        _set_state(edges[count, 2], lower, knee, end - knee, mirror)
-    else:
-        edges[count, 2] = 0
+        _set_state(out.edges[count, 2], lower, knee, end - knee, mirror)
     return count + 1
 
 
 @njit(cache=True)
-def cut_one(index, corners, bits, width, height, left, right, heads, edges, count):
+def cut_one(triangle: int, corners: Ints, window: Window, sides: Sides, out: Cut, count: int) -> int:
     """Append the primitives of one triangle; the longest possible one first, which gives the least number."""
-    first, end, left_count, right_count = _sides(corners, bits, width, height, left, right)
-    y = _next_covered(left, right, first, end, width)
+    left, right = sides
+    width = window.width
+    first, end, left_count, right_count = _sides(corners, window, sides)
+    y = _next_covered(sides, first, end, width)
     if y >= end:
         return count
-    end = _last_covered(left, right, y, end - 1, width) + 1
+    end = _last_covered(sides, y, end - 1, width) + 1
     while y < end:
         i, j = _run_at(left, y), _run_at(right, y)
-        left_end, right_end = left[i, _END], right[j, _END]
-        left_next = left[i + 1, _END] if i + 1 < left_count else left_end
-        right_next = right[j + 1, _END] if j + 1 < right_count else right_end
+        left_end, right_end = left[i].end, right[j].end
+        left_next = left[i + 1].end if i + 1 < left_count else left_end
+        right_next = right[j + 1].end if j + 1 < right_count else right_end
         left_reach = min(left_end, right_next, end)
         right_reach = min(right_end, left_next, end)
         mirror = right_reach > left_reach
         reach = max(left_reach, right_reach)
-        stop = _last_covered(left, right, y, reach - 1, width) + 1
+        stop = _last_covered(sides, y, reach - 1, width) + 1
         major, minor, k = (right[j], left, i) if mirror else (left[i], right, j)
-        rows_first = min(minor[k, _END], stop) - y
-        head = heads[count]
-        head[TRIANGLE], head[FIRST_Y], head[MIRROR] = index, y, mirror
-        head[ROWS_FIRST], head[ROWS_SECOND] = rows_first, stop - y - rows_first
-        head[MAJOR_TOP], head[MAJOR_BOTTOM] = major[_TOP], major[_BOTTOM]
-        _set_state(edges[count, 0], _run_line(major), y, stop - y, mirror)
-        _set_state(edges[count, 1], _run_line(minor[k]), y, rows_first, mirror)
+        rows_first = min(minor[k].end, stop) - y
+        head = out.heads[count]
+        head.triangle, head.y, head.mirror = triangle, y, mirror
+        head.rows_first, head.rows_second = rows_first, stop - y - rows_first
+        head.major_top, head.major_bottom = major.top, major.bottom
+        edges = out.edges[count]
+        _set_state(edges[0], _run_line(major), y, stop - y, mirror)
+        _set_state(edges[1], _run_line(minor[k]), y, rows_first, mirror)
         if stop - y > rows_first:
-            _set_state(
-                edges[count, 2], _run_line(minor[k + 1]), y + rows_first, stop - y - rows_first, mirror
-            )
-        else:
-            edges[count, 2] = 0
+            _set_state(edges[2], _run_line(minor[k + 1]), y + rows_first, stop - y - rows_first, mirror)
         count += 1
-        y = _next_covered(left, right, reach, end, width)
+        y = _next_covered(sides, reach, end, width)
     return count
 
 
 @njit(cache=True)
-def _cut(vertices, start, bits, width, height, heads, edges):
-    """Cut triangles from start on until the tables are full; returns the next triangle, the rows written."""
-    left = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
-    right = np.zeros((MAX_RUNS, RUN_FIELDS), np.int64)
+def _cut(vertices: Ints, start: int, window: Window, sides: Sides, out: Cut) -> tuple[int, int]:
+    """Cut triangles from ``start`` on until ``out`` is full; the next triangle, the primitives written."""
+    width, height, bits = window
     count = 0
-    for index in range(start, len(vertices)):
-        if count + MAX_PRIMITIVES > len(heads):
-            return index, count
-        corners = vertices[index]
+    for triangle in range(start, len(vertices)):
+        if count + MAX_PRIMITIVES > len(out.heads):
+            return triangle, count
+        corners = vertices[triangle]
         if _inside(corners, width << bits, height << bits):
-            count = _cut_inside(index, corners, bits, heads, edges, count)
+            count = _cut_inside(triangle, corners, bits, out, count)
         else:
-            count = cut_one(index, corners, bits, width, height, left, right, heads, edges, count)
+            count = cut_one(triangle, corners, window, sides, out, count)
     return len(vertices), count
 
 
@@ -362,14 +445,13 @@ def cut_triangles(vertices: np.ndarray, width: int, height: int, subpixel_bits: 
       In triangle order, top to bottom within a triangle.
     """
     vertices = np.ascontiguousarray(vertices, dtype=np.int64)
-    parts, start = [], 0
+    window, sides = Window(width, height, subpixel_bits), empty_sides()
+    parts: list[Cut] = []
+    start = 0
     while start < len(vertices) or not parts:
-        size = (len(vertices) - start) * 5 // 4 + MAX_PRIMITIVES
-        heads = np.empty((size, HEAD_FIELDS), np.int64)
-        edges = np.empty((size, 3, STATE_FIELDS), np.int64)
-        start, count = _cut(vertices, start, subpixel_bits, width, height, heads, edges)
-        parts.append((heads[:count], edges[:count]))
-    heads, edges = (
-        np.concatenate(column) if len(parts) > 1 else column[0] for column in zip(*parts, strict=True)
-    )
-    return Cut(heads, edges)
+        room = empty_cut((len(vertices) - start) * 5 // 4 + MAX_PRIMITIVES)
+        start, count = _cut(vertices, start, window, sides, room)
+        parts.append(Cut(room.heads[:count], room.edges[:count]))
+    if len(parts) == 1:
+        return parts[0]
+    return Cut(*(np.concatenate(column) for column in zip(*parts, strict=True)))

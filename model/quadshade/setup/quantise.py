@@ -14,36 +14,45 @@ maximum over the trapezoids: corners, edges, inside.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Floats, Ints, Records, record_dtype
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, QUADRATIC
-from quadshade.setup.edges import (
-    COLUMN,
-    HEIGHT,
-    INCREMENT,
-    REMAINDER,
-    ROWS_FIRST,
-    ROWS_SECOND,
-    STEP,
-)
+from quadshade.setup.edges import EdgeState, Head
 
-# A fit's floats: sums over the sample points of m m, m N, N N; the three quadratics' slopes along m and along
-# N; what the linear functions leave of the sums of their products.
-_MM, _MN, _NN, _ALONG_M, _ALONG_N, _AA, _AB, _AC, _BB, _BC, _CC, FIT_FIELDS = (
-    0,
-    1,
-    2,
-    3,
-    6,
-    9,
-    10,
-    11,
-    12,
-    13,
-    14,
-    15,
-)
+
+class Fit:
+    """
+    Columns of the linear functions of (m, N) nearest to E's three quadratics, a, b and c.
+
+    ``mm``, ``mn`` and ``nn`` are sums over the sample points of products of m and N about their means, ``am``
+    to ``cn`` the functions' slopes along m and along N, ``aa`` to ``cc`` sums of products of what the functions
+    leave of the quadratics.
+    """
+
+    mm: float
+    mn: float
+    nn: float
+    am: float
+    bm: float
+    cm: float
+    an: float
+    bn: float
+    cn: float
+    aa: float
+    ab: float
+    ac: float
+    bb: float
+    bc: float
+    cc: float
+
+
+FIT = record_dtype(Fit)
+SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
+
 SAMPLE_POINTS = 11
 HALF_RANGE = 1.75
 """Half a range over the sample points' standard deviation: that of an even distribution, about."""
@@ -60,26 +69,26 @@ Rounding in E's own evaluation, in units of the last place: terms below 2**29, a
 
 
 @njit(cache=True, error_model="numpy")
-def _lower(major, k):
+def _lower(major: EdgeState, k: int) -> float:
     """No pixel of row k has a smaller N: floor((e + k r) / dy) is at least this."""
-    return (major[REMAINDER] + k * major[INCREMENT] - major[HEIGHT] + 1) / major[HEIGHT] - OUTWARD
+    return (major.remainder + k * major.increment - major.height + 1) / major.height - OUTWARD
 
 
 @njit(cache=True, error_model="numpy")
-def _upper(major, minor, k, since):
+def _upper(major: EdgeState, minor: EdgeState, k: int, since: int) -> float:
     """No pixel of row k has a larger N; the minor edge began ``since`` rows before."""
-    ahead = minor[COLUMN] - major[COLUMN] - 1 - k * major[STEP] + since * minor[STEP]
-    return ahead + (minor[REMAINDER] + since * minor[INCREMENT]) / minor[HEIGHT] + OUTWARD
+    ahead = minor.column - major.column - 1 - k * major.step + since * minor.step
+    return ahead + (minor.remainder + since * minor.increment) / minor.height + OUTWARD
 
 
 @njit(cache=True, error_model="numpy")
-def region(head, edges, fractional, corners):
+def region(head: Head, edges: Records, fractional: bool, corners: Floats) -> int:
     """
     Corners (m, N) of the trapezoids that hold a primitive's lattice points (written); their number, 4 or 8.
 
     Each trapezoid goes round: first row low, first row high, last row high, last row low.
     """
-    first, rows = head[ROWS_FIRST], head[ROWS_FIRST] + head[ROWS_SECOND]
+    first, rows = head.rows_first, head.rows_first + head.rows_second
     count = 0
     for which, start, end in ((1, 0, first), (2, first, rows)):
         for side in range(4 if end > start else 0):
@@ -96,7 +105,7 @@ def region(head, edges, fractional, corners):
 
 
 @njit(cache=True, error_model="numpy")
-def fit_linear(corners, count, scratch, fit):
+def fit_linear(corners: Floats, count: int, scratch: Floats, fit: Fit) -> None:
     """
     Least-squares linear functions through E's three quadratics, over corners and edge middles of a primitive.
 
@@ -107,7 +116,7 @@ def fit_linear(corners, count, scratch, fit):
     corners, count
       From :func:`region`.
     scratch : (SAMPLE_POINTS, 5) float64, written
-    fit : (FIT_FIELDS,) float64, written
+    fit : Fit, written
     """
     # Top low, top high, knee high, bottom high, bottom low; the middles of these five sides; one inside.
     for place in range(5):
@@ -144,15 +153,15 @@ def fit_linear(corners, count, scratch, fit):
     am, an = (ma * held_nn - na * mn) * scale, (na * held_mm - ma * mn) * scale
     bm, bn = (mb * held_nn - nb * mn) * scale, (nb * held_mm - mb * mn) * scale
     cm, cn = (mc * held_nn - nc * mn) * scale, (nc * held_mm - mc * mn) * scale
-    fit[_MM], fit[_MN], fit[_NN] = mm, mn, nn
-    fit[_ALONG_M], fit[_ALONG_M + 1], fit[_ALONG_M + 2] = am, bm, cm
-    fit[_ALONG_N], fit[_ALONG_N + 1], fit[_ALONG_N + 2] = an, bn, cn
-    fit[_AA], fit[_AB], fit[_AC] = aa - am * ma - an * na, ab - am * mb - an * nb, ac - am * mc - an * nc
-    fit[_BB], fit[_BC], fit[_CC] = bb - bm * mb - bn * nb, bc - bm * mc - bn * nc, cc - cm * mc - cn * nc
+    fit.mm, fit.mn, fit.nn = mm, mn, nn
+    fit.am, fit.bm, fit.cm = am, bm, cm
+    fit.an, fit.bn, fit.cn = an, bn, cn
+    fit.aa, fit.ab, fit.ac = aa - am * ma - an * na, ab - am * mb - an * nb, ac - am * mc - an * nc
+    fit.bb, fit.bc, fit.cc = bb - bm * mb - bn * nb, bc - bm * mc - bn * nc, cc - cm * mc - cn * nc
 
 
 @njit(cache=True, error_model="numpy")
-def _extremes(corners, count, off):
+def _extremes(corners: Floats, count: int, off: Floats) -> tuple[float, float]:
     """Least and greatest of E without its constant over the trapezoids, for words off by ``off``."""
     rr, rc, cc = off[3], off[4], off[5]
     along_m, along_n = off[1] - 0.5 * rr, off[2] + 0.5 * cc
@@ -180,9 +189,9 @@ def _extremes(corners, count, off):
 
 
 @njit(cache=True, error_model="numpy")
-def _second_differences(fraction, fit, off):
+def _second_differences(fraction: Floats | SixFloats, fit: Fit, off: Floats) -> None:
     """Floor or ceiling of each second difference, whatever leaves least to a linear fit (off[3:] written)."""
-    aa, ab, ac, bb, bc, cc = fit[_AA], fit[_AB], fit[_AC], fit[_BB], fit[_BC], fit[_CC]
+    aa, ab, ac, bb, bc, cc = fit.aa, fit.ab, fit.ac, fit.bb, fit.bc, fit.cc
     best = np.inf
     # The nearest integers first, then the other choices: x changes fastest, z slowest.
     for other_z in (False, True):
@@ -200,7 +209,9 @@ def _second_differences(fraction, fit, off):
 
 
 @njit(cache=True, error_model="numpy")
-def round_words(fraction, order, corners, count, fit, joint, off):
+def round_words(
+    fraction: Floats, order: int, corners: Floats, count: int, fit: Fit, joint: bool, off: Floats
+) -> float:
     """
     Round a channel's six words; returns the bound of |E| over the primitive, in units of the last place.
 
@@ -223,15 +234,13 @@ def round_words(fraction, order, corners, count, fit, joint, off):
     if joint:
         if order == QUADRATIC:
             _second_differences(fraction, fit, off)
-        want_m = want_n = 0.0
-        for i in range(3):
-            want_m -= fit[_ALONG_M + i] * off[3 + i]
-            want_n -= fit[_ALONG_N + i] * off[3 + i]
-        if fit[_MM] > 0.0:
+        want_m = 0.0 - fit.am * off[3] - fit.bm * off[4] - fit.cm * off[5]
+        want_n = 0.0 - fit.an * off[3] - fit.bn * off[4] - fit.cn * off[5]
+        if fit.mm > 0.0:
             off[1] = np.floor(fraction[1] + want_m + 0.5) - fraction[1]
             # What d_row's rounding leaves, d_col takes up along the primitive's own slant.
-            want_n -= (off[1] - want_m) * fit[_MN] / max(fit[_NN], 1e-9)
-        if fit[_NN] > 0.0:
+            want_n -= (off[1] - want_m) * fit.mn / max(fit.nn, 1e-9)
+        if fit.nn > 0.0:
             off[2] = np.floor(fraction[2] + want_n + 0.5) - fraction[2]
     least, greatest = _extremes(corners, count, off)
     if joint:
@@ -240,7 +249,7 @@ def round_words(fraction, order, corners, count, fit, joint, off):
 
 
 @njit(cache=True, error_model="numpy")
-def reach(corners, count):
+def reach(corners: Floats, count: int) -> tuple[float, float]:
     """Largest m and N of a region."""
     most = corners[0, 1]
     for corner in range(1, count):
@@ -249,14 +258,14 @@ def reach(corners, count):
 
 
 @njit(cache=True, error_model="numpy")
-def carried_error(m, n, errors):
+def carried_error(m: float, n: float, errors: Floats) -> float:
     """Most that errors of the single words (float64 set-up) make at a pixel: E with every term positive."""
     down = m * (errors[1] + 0.5 * max(m - 1.0, 0.0) * errors[3])
     return errors[0] + down + max(n, 0.0) * (errors[2] + m * errors[4] + 0.5 * (n + 1.0) * errors[5])
 
 
 @njit(cache=True, error_model="numpy")
-def difference_spreads(fit, spreads):
+def difference_spreads(fit: Fit, spreads: Floats) -> None:
     """
     Bits by which a unit of each difference weighs more than one of the value (written, (6,) float64).
 
@@ -265,14 +274,24 @@ def difference_spreads(fit, spreads):
     """
     spreads[0] = 0.0
     for difference, square in (
-        (1, fit[_MM]), (2, fit[_NN]), (3, fit[_AA]), (4, fit[_BB]), (5, fit[_CC]),
+        (1, fit.mm), (2, fit.nn), (3, fit.aa), (4, fit.bb), (5, fit.cc),
     ):  # fmt: skip
         half_range = HALF_RANGE * np.sqrt(max(square, 0.0) / SAMPLE_POINTS)
         spreads[difference] = np.log2(max(half_range, LEAST_SPREAD)) + 1.0
 
 
 @njit(cache=True, error_model="numpy")
-def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
+def coarse_words(
+    words: Ints,
+    shifts: Ints,
+    order: int,
+    corners: Floats,
+    count: int,
+    fit: Fit,
+    scaled: Fit,
+    off: Floats,
+    out: Ints,
+) -> float:
     """
     Round a channel's words jointly, each difference to its own multiple of a unit.
 
@@ -284,7 +303,7 @@ def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
     order : int
     corners, count, fit
       From :func:`region` and :func:`fit_linear`.
-    scaled : (FIT_FIELDS,) float64, off : (6,) float64, both written
+    scaled : Fit, off : (6,) float64, both written
     out : (6,) int64, written
       The words, which a carry may have taken one bit beyond their width.
 
@@ -309,22 +328,20 @@ def coarse_words(words, shifts, order, corners, count, fit, scaled, off, out):
     for difference in range(6):
         off[difference] = np.floor(fraction[difference] + 0.5) - fraction[difference]
     if order == QUADRATIC:
-        scaled[_AA], scaled[_AB] = fit[_AA] * size[3] * size[3], fit[_AB] * size[3] * size[4]
-        scaled[_AC], scaled[_BB] = fit[_AC] * size[3] * size[5], fit[_BB] * size[4] * size[4]
-        scaled[_BC], scaled[_CC] = fit[_BC] * size[4] * size[5], fit[_CC] * size[5] * size[5]
+        scaled.aa, scaled.ab = fit.aa * size[3] * size[3], fit.ab * size[3] * size[4]
+        scaled.ac, scaled.bb = fit.ac * size[3] * size[5], fit.bb * size[4] * size[4]
+        scaled.bc, scaled.cc = fit.bc * size[4] * size[5], fit.cc * size[5] * size[5]
         _second_differences(fraction, scaled, off)
     for difference in range(6):
         off[difference] *= size[difference]
     least = greatest = 0.0
     if order != CONSTANT:
-        want_m = want_n = 0.0
-        for i in range(3):
-            want_m -= fit[_ALONG_M + i] * off[3 + i]
-            want_n -= fit[_ALONG_N + i] * off[3 + i]
-        if fit[_MM] > 0.0:
+        want_m = 0.0 - fit.am * off[3] - fit.bm * off[4] - fit.cm * off[5]
+        want_n = 0.0 - fit.an * off[3] - fit.bn * off[4] - fit.cn * off[5]
+        if fit.mm > 0.0:
             off[1] = (np.floor(fraction[1] + want_m / size[1] + 0.5) - fraction[1]) * size[1]
-            want_n -= (off[1] - want_m) * fit[_MN] / max(fit[_NN], 1e-9)
-        if fit[_NN] > 0.0:
+            want_n -= (off[1] - want_m) * fit.mn / max(fit.nn, 1e-9)
+        if fit.nn > 0.0:
             off[2] = (np.floor(fraction[2] + want_n / size[2] + 0.5) - fraction[2]) * size[2]
         least, greatest = _extremes(corners, count, off)
     off[0] = (np.floor(fraction[0] - 0.5 * (least + greatest) / size[0] + 0.5) - fraction[0]) * size[0]

@@ -12,27 +12,19 @@ sent.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Bools, Floats, Ints, Records
 from quadshade.contract.formats import CONSTANT, DIFFERENCES, DIFFERENCES_OF_ORDER, Formats
 from quadshade.contract.packed_format import CHANNEL_KINDS, channel_kinds
-from quadshade.setup.edges import (
-    COLUMN,
-    HEAD_FIELDS,
-    HEIGHT,
-    INCREMENT,
-    REMAINDER,
-    ROWS_FIRST,
-    ROWS_SECOND,
-    STATE_FIELDS,
-    STEP,
-)
+from quadshade.setup.edges import Cut, empty_cut
 from quadshade.setup.packet import Primitives
 from quadshade.setup.quantise import (
-    FIT_FIELDS,
+    FIT,
     SAMPLE_POINTS,
     coarse_words,
     difference_spreads,
@@ -46,90 +38,94 @@ STEP_BITS = 0.5
 """How finely the number of dropped bits is searched: differences follow one by one."""
 
 
-@dataclass(frozen=True)
-class Regions:
+class Regions(NamedTuple):
     """
     Where each primitive has its pixels, for error bounds.
 
     Attributes
     ----------
     corners : (n, 8, 2) float64
-    count : (n,) int64
+    num_corners : (n,) int64
       Corners used.
-    fit : (n, FIT_FIELDS) float64
+    fit : (n,) records of :class:`quadshade.setup.quantise.Fit`
     """
 
-    corners: np.ndarray
-    count: np.ndarray
-    fit: np.ndarray
+    corners: Floats
+    num_corners: Ints
+    fit: Records
+
+
+class _Channels(NamedTuple):
+    """Words to be rounded: those of one kind's channels, with what each may add to its error, in units."""
+
+    words: Ints
+    orders: Ints
+    channels: Ints
+    budgets: Floats
+    word_width: int
 
 
 @njit(cache=True)
-def _regions(heads, edges, fractional, corners, count, fit):
+def _fill_regions(cut: Cut, fractional: Bools, out: Regions) -> None:
     scratch = np.zeros((SAMPLE_POINTS, 5))
-    for p in range(len(heads)):
-        count[p] = region(heads[p], edges[p], fractional[p], corners[p])
-        fit_linear(corners[p], count[p], scratch, fit[p])
+    for p in range(len(cut.heads)):
+        out.num_corners[p] = region(cut.heads[p], cut.edges[p], fractional[p], out.corners[p])
+        fit_linear(out.corners[p], out.num_corners[p], scratch, out.fit[p])
 
 
 def primitive_regions(primitives: Primitives) -> Regions:
     """The regions of primitives."""
     size = len(primitives)
-    heads, edges = np.zeros((size, HEAD_FIELDS), np.int64), np.zeros((size, 3, STATE_FIELDS), np.int64)
-    heads[:, ROWS_FIRST] = primitives.header["rows_first"]
-    heads[:, ROWS_SECOND] = primitives.header["rows_second"]
+    cut = empty_cut(size)
+    cut.heads["rows_first"] = primitives.header["rows_first"]
+    cut.heads["rows_second"] = primitives.header["rows_second"]
     for index, edge in enumerate(primitives.edges.values()):
-        edges[:, index, COLUMN], edges[:, index, STEP] = edge["column"], edge["step"]
-        edges[:, index, REMAINDER] = edge["error"] - edge["decrement"]
-        edges[:, index, INCREMENT] = edge["increment"]
-        edges[:, index, HEIGHT] = edge["increment"] - edge["decrement"]
-    corners, count = np.zeros((size, 8, 2)), np.zeros(size, np.int64)
-    fit = np.zeros((size, FIT_FIELDS))
-    _regions(heads, edges, primitives.header["fractional"] != 0, corners, count, fit)
-    return Regions(corners, count, fit)
+        state = cut.edges[:, index]
+        state["column"], state["step"] = edge["column"], edge["step"]
+        state["remainder"] = edge["error"] - edge["decrement"]
+        state["increment"] = edge["increment"]
+        state["height"] = edge["increment"] - edge["decrement"]
+    regions = Regions(np.zeros((size, 8, 2)), np.zeros(size, np.int64), np.zeros(size, FIT))
+    _fill_regions(cut, primitives.header["fractional"] != 0, regions)
+    return regions
 
 
 @njit(cache=True)
-def _round(p, words, orders, corners, count, fit, channels, shifts, budgets, word_width, out):
-    """
-    Round one kind's channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used.
-    """
+def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints) -> float:
+    """Round the channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used."""
+    corners, count, fit = regions.corners[p], regions.num_corners[p], regions.fit[p]
     worst = 0.0
-    scaled, off = np.zeros(FIT_FIELDS), np.zeros(NUM_DIFFERENCES)
-    half = np.int64(1) << (word_width - 1)
-    for channel in channels:
-        added = coarse_words(
-            words[p, channel], shifts, orders[p, channel], corners[p], count[p], fit[p], scaled, off,
-            out[channel],
-        )  # fmt: skip
-        worst = max(worst, added / budgets[channel])
+    scaled, off = np.zeros(1, FIT)[0], np.zeros(NUM_DIFFERENCES)
+    half = np.int64(1) << (given.word_width - 1)
+    for channel in given.channels:
+        words, order = given.words[p, channel], given.orders[p, channel]
+        added = coarse_words(words, shifts, order, corners, count, fit, scaled, off, out[channel])
+        worst = max(worst, added / given.budgets[channel])
         for difference in range(NUM_DIFFERENCES):
             out[channel, difference] = ((out[channel, difference] + half) & (2 * half - 1)) - half
     return worst
 
 
 @njit(cache=True)
-def _most(words, orders, corners, count, fit, channels, budgets, word_width, out):
-    """Most bits that a kind of channels drops from each difference of every primitive (``out``, (n, 6))."""
+def _most(given: _Channels, regions: Regions, out: Ints) -> None:
+    """Most bits that the channels drop from each difference of every primitive (``out``, (n, 6))."""
     spreads, shifts = np.zeros(NUM_DIFFERENCES), np.zeros(NUM_DIFFERENCES, np.int64)
-    rounded = np.zeros(words.shape[1:], np.int64)
+    rounded = np.zeros(given.words.shape[1:], np.int64)
     budget = np.inf
-    for channel in channels:
-        budget = min(budget, budgets[channel])
-    for p in range(len(words)):
-        difference_spreads(fit[p], spreads)
+    for channel in given.channels:
+        budget = min(budget, given.budgets[channel])
+    for p in range(len(given.words)):
+        difference_spreads(regions.fit[p], spreads)
         highest = 0
-        for channel in channels:
-            highest = max(highest, orders[p, channel])
+        for channel in given.channels:
+            highest = max(highest, given.orders[p, channel])
         start = np.log2(budget) + (1.0 if highest == CONSTANT else 1.5)
         while start > -1.0:
             for difference in range(NUM_DIFFERENCES):
                 shifts[difference] = min(
-                    max(np.int64(np.floor(start - spreads[difference])), 0), word_width - 1
+                    max(np.int64(np.floor(start - spreads[difference])), 0), given.word_width - 1
                 )
-            share = _round(
-                p, words, orders, corners, count, fit, channels, shifts, budgets, word_width, rounded
-            )
+            share = _round(given, regions, p, shifts, rounded)
             if share <= 1.0:
                 out[p] = shifts
                 break
@@ -137,12 +133,10 @@ def _most(words, orders, corners, count, fit, channels, budgets, word_width, out
 
 
 @njit(cache=True)
-def _apply(words, orders, corners, count, fit, channels, budgets, shifts, word_width, out, used):
-    """Round every primitive's channels of a kind as ``shifts`` (n, 6) say; ``used`` shares of the budget."""
-    for p in range(len(words)):
-        used[p] = _round(
-            p, words, orders, corners, count, fit, channels, shifts[p], budgets, word_width, out[p]
-        )
+def _apply(given: _Channels, regions: Regions, shifts: Ints, out: Ints, used: Floats) -> None:
+    """Round every primitive's channels as ``shifts`` (n, 6) say; ``used`` shares of the budget."""
+    for p in range(len(given.words)):
+        used[p] = _round(given, regions, p, shifts[p], out[p])
 
 
 def short_words(
@@ -174,17 +168,14 @@ def short_words(
     shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
     for kind in np.unique(kinds):
         channels = np.flatnonzero(kinds == kind)
-        shared = (
-            primitives.words, primitives.orders, regions.corners, regions.count, regions.fit, channels,
-            budgets * scale,
-        )  # fmt: skip
+        given = _Channels(primitives.words, primitives.orders, channels, budgets * scale, formats.word_width)
         most, used = np.zeros((len(primitives), NUM_DIFFERENCES), np.int64), np.zeros(len(primitives))
-        _most(*shared, formats.word_width, most)
+        _most(given, regions, most)
         differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders[:, channels]]
         sent = (differences[:, :, None] > np.arange(NUM_DIFFERENCES)).sum(axis=1)
         while True:
             shifts[kind] = hold(most, sent)
-            _apply(*shared, shifts[kind], formats.word_width, words, used)
+            _apply(given, regions, shifts[kind], words, used)
             over = used > 1.0
             if not over.any():
                 break

@@ -7,26 +7,14 @@ import numpy as np
 from numba import njit
 
 from quadshade.choices import ROUNDINGS
+from quadshade.contract.arrays import Floats, Ints, Records
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, ORDER_NAMES, QUADRATIC, Formats
 from quadshade.contract.shade_state import specular_gain
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.setup.colour_words import Colours, colour_words, words_by_terms
 from quadshade.setup.divide_primitives import beyond, divide
-from quadshade.setup.edges import (
-    COLUMN,
-    FIRST_Y,
-    HEIGHT,
-    INCREMENT,
-    MIRROR,
-    REMAINDER,
-    ROWS_FIRST,
-    ROWS_SECOND,
-    STEP,
-    TRIANGLE,
-    Cut,
-    cut_triangles,
-)
+from quadshade.setup.edges import Cut, cut_triangles
 from quadshade.setup.literature.terms import fit_terms
 from quadshade.setup.packet import Primitives
 
@@ -35,7 +23,7 @@ UNDEFINED = 4.0 / 3.0
 
 
 @njit(cache=True)
-def _first_bad_sample(samples, orders, lows, tops):
+def _first_bad_sample(samples: Floats, orders: Ints, lows: Ints, tops: Ints) -> tuple[int, int]:
     """Triangle and channel of the first sample that is used and outside low .. top (NaN is), or -1, -1."""
     for index in range(len(samples)):
         for channel in range(len(tops)):
@@ -46,7 +34,9 @@ def _first_bad_sample(samples, orders, lows, tops):
 
 
 @njit(cache=True)
-def _first_misfit(heads, samples, orders, bounds, limits):
+def _first_misfit(
+    heads: Records, samples: Floats, orders: Ints, bounds: Floats, limits: Floats
+) -> tuple[int, int]:
     """
     Primitive and channel of the first value that may reach its word's limit, or -1, -1.
 
@@ -54,7 +44,7 @@ def _first_misfit(heads, samples, orders, bounds, limits):
     constant of these points); of lower orders none does.
     """
     for p in range(len(heads)):
-        triangle = heads[p, TRIANGLE]
+        triangle = heads[p].triangle
         for channel in range(len(limits)):
             order = orders[triangle, channel]
             low = high = samples[triangle, channel, 0]
@@ -112,7 +102,7 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
 def _check_geometry(triangles: ScreenTriangles, formats: Formats) -> None:
     """Arrays of the right shape, screen and vertices within what the core's coordinates can hold."""
     count = len(triangles)
-    wanted = {"vertices": (count, 3, 2)}
+    wanted: dict[str, tuple[int, ...]] = {"vertices": (count, 3, 2)}
     if triangles.depth is not None:
         wanted["depth"] = (count, 3)
     for name, shape in wanted.items():
@@ -148,7 +138,7 @@ def _check_words(
     primitive, channel = _first_misfit(cut.heads, samples, orders, bounds, limits)
     if primitive >= 0:
         raise QuadshadeError(
-            f"triangle {cut.heads[primitive, TRIANGLE]}: channel {channel} may not fit its word of"
+            f"triangle {cut.heads['triangle'][primitive]}: channel {channel} may not fit its word of"
             f" {formats.word_width} bits, {formats.channel_frac_bits[channel]} of them fraction",
             "raise word_width or frac_bits, or split the triangle",
         )
@@ -160,7 +150,7 @@ def _refuse_beyond(limit: float, cut: Cut, bounds: np.ndarray, names: tuple[str,
     if over.any():
         primitive, channel = np.argwhere(over)[0]
         raise QuadshadeError(
-            f"triangle {cut.heads[primitive, TRIANGLE]}: channel {names[channel]} may be"
+            f"triangle {cut.heads['triangle'][primitive]}: channel {names[channel]} may be"
             f" {bounds[primitive, channel]:.3g} grey levels off, more than {limit:g}",
             "raise generic frac_bits, or leave --strict out",
         )
@@ -225,36 +215,36 @@ def setup_triangles(
     vertices = np.ascontiguousarray(triangles.vertices, dtype=np.int64)
     terms = fit_terms(method, vertices, samples, formats.subpixel_bits)
     guard = guard_bits(triangles, formats)
-    colours = Colours(vertices, samples, orders, formats, fractional, rounding == "joint", terms, guard)
+    colours = Colours(vertices, samples, orders, formats, fractional, rounding == "joint", guard)
     cut = cut_triangles(vertices, triangles.width, triangles.height, formats.subpixel_bits)
     words, bounds = colour_words(cut, colours)
     if limit is not None and not (strict or fractional):
         cut, words, bounds = divide(cut, words, bounds, limit, colours, triangles.width, triangles.height)
     undefined = np.zeros(bounds.shape, dtype=np.bool_)
     if terms is not None:
-        undefined = words_by_terms(cut, colours, words, bounds)
+        undefined = words_by_terms(cut, colours, terms, words, bounds)
     _check_words(cut, samples, orders, bounds, formats)
     bounds[undefined] = 2.0**formats.value_bits * UNDEFINED
     if limit is not None and strict:
         _refuse_beyond(limit, cut, bounds, triangles.channels)
     heads = cut.heads
     header = {
-        "y": heads[:, FIRST_Y],
-        "rows_first": heads[:, ROWS_FIRST],
-        "rows_second": heads[:, ROWS_SECOND],
-        "has_second": (heads[:, ROWS_SECOND] > 0).astype(np.int64),
-        "mirror": heads[:, MIRROR],
+        "y": heads["y"],
+        "rows_first": heads["rows_first"],
+        "rows_second": heads["rows_second"],
+        "has_second": (heads["rows_second"] > 0).astype(np.int64),
+        "mirror": heads["mirror"],
         "fractional": np.full(len(heads), int(fractional), dtype=np.int64),
     }
     edges = {}
     for index, name in enumerate(("major", "minor", "second")):
-        state = cut.edges[:, index].T
+        state = cut.edges[:, index]
         edges[name] = {
-            "column": state[COLUMN],
-            "error": state[REMAINDER] + state[INCREMENT] - state[HEIGHT],
-            "step": state[STEP],
-            "increment": state[INCREMENT],
-            "decrement": state[INCREMENT] - state[HEIGHT],
+            "column": state["column"],
+            "error": state["remainder"] + state["increment"] - state["height"],
+            "step": state["step"],
+            "increment": state["increment"],
+            "decrement": state["increment"] - state["height"],
         }
-    owners = heads[:, TRIANGLE].copy()
+    owners = heads["triangle"].copy()
     return Primitives(owners, header, edges, orders[owners], words, bounds, undefined.any(axis=1))

@@ -15,17 +15,25 @@ with G the gradient at the first pixel. Nothing here mends what a method lost be
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from quadshade.choices import SETUPS
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.errors import QuadshadeError
-from quadshade.setup.edges import COLUMN, FIRST_Y, MAJOR_BOTTOM, MAJOR_TOP, MIRROR, STEP
+from quadshade.setup.edges import EdgeState, Head
 from quadshade.setup.literature.methods import fit
 
-# The first pixel's X and Y, the row step's X, the column step's X.
-X0, Y0, ROW_X, COLUMN_X, STEP_FIELDS = range(5)
+
+class Steps(NamedTuple):
+    """X and Y of the first pixel from the origin vertex, and X of a row step and of a column step, in pixels."""
+
+    x: float
+    y: float
+    row_x: float
+    column_x: float
 
 
 @dataclass(frozen=True)
@@ -87,29 +95,31 @@ def fit_terms(method: str, vertices: np.ndarray, samples: np.ndarray, subpixel_b
 
 
 @njit(cache=True, error_model="numpy")
-def lattice_steps(corners, origin, head, major, pixel, fractional, steps):
-    """A primitive's first pixel from the origin vertex, and its steps, in pixels (steps written)."""
+def lattice_steps(
+    corners: Ints, origin: int, head: Head, major: EdgeState, pixel: int, fractional: bool
+) -> Steps:
+    """A primitive's first pixel and its steps."""
     x1, y1 = corners[origin, 0], corners[origin, 1]
-    y = pixel * (2 * head[FIRST_Y] + 1)
-    steps[Y0] = (y - 2 * y1) / (2.0 * pixel)
-    steps[COLUMN_X] = -1.0 if head[MIRROR] else 1.0
-    top, bottom = head[MAJOR_TOP], head[MAJOR_BOTTOM]
+    y = pixel * (2 * head.y + 1)
+    down = (y - 2 * y1) / (2.0 * pixel)
+    column_x = -1.0 if head.mirror else 1.0
+    top, bottom = head.major_top, head.major_bottom
     if fractional and top >= 0:
         slope = (corners[bottom, 0] - corners[top, 0]) / (corners[bottom, 1] - corners[top, 1])
         along = (y - 2 * corners[top, 1]) / (2.0 * pixel)
-        steps[X0] = (corners[top, 0] - x1) / pixel + along * slope
-        steps[ROW_X] = slope
-        return
-    column = -1 - major[COLUMN] if head[MIRROR] else major[COLUMN]
-    steps[X0] = (pixel * (2 * column + 1) - 2 * x1) / (2.0 * pixel)
-    steps[ROW_X] = -major[STEP] if head[MIRROR] else major[STEP]
+        return Steps((corners[top, 0] - x1) / pixel + along * slope, down, slope, column_x)
+    column = -1 - major.column if head.mirror else major.column
+    x = (pixel * (2 * column + 1) - 2 * x1) / (2.0 * pixel)
+    return Steps(x, down, float(-major.step if head.mirror else major.step), column_x)
 
 
 @njit(cache=True, error_model="numpy")
-def term_words(terms, steps, scale, half, rows, columns, words):
+def term_words(
+    terms: Floats, steps: Steps, scale: float, half: float, rows: bool, columns: bool, words: Floats
+) -> None:
     """The six differences of one channel in units of the last place (written); unused ones are zero."""
     t0, t1, t2, t3, t4, t5 = terms[0], terms[1], terms[2], terms[3], terms[4], terms[5]
-    x, y, s, c = steps[X0], steps[Y0], steps[ROW_X], steps[COLUMN_X]
+    x, y, s, c = steps
     along_x, along_y = 2.0 * t5 * x + t4 * y + t2, 2.0 * t3 * y + t4 * x + t1
     words[:] = 0.0
     words[0] = (t5 * x * x + t4 * x * y + t3 * y * y + t2 * x + t1 * y + t0 + half) * scale
