@@ -91,6 +91,12 @@ def test_ruff_format() -> None:
     assert result.returncode == 0, result.stdout
 
 
+def test_types() -> None:
+    """All of ``model`` passes mypy, as pyproject.toml sets it."""
+    result = run(sys.executable, "-m", "mypy")
+    assert result.returncode == 0, result.stdout
+
+
 def test_spelling() -> None:
     """Over the tracked files: what is built, and pictures, hold no words."""
     names = [str(path) for path in tracked_files()]

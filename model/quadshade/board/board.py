@@ -301,7 +301,9 @@ class Board(BoardReader):
             statistics = self.session.statistics
             self._progress(what, done, total, statistics["bytes_sent"] + statistics["bytes_received"])
 
-    def _painters_notice(self, triangles: ScreenTriangles, limit: float | None, setup: dict) -> list[str]:
+    def _painters_notice(
+        self, triangles: ScreenTriangles, limit: float | None, setup: dict[str, Any]
+    ) -> list[str]:
         """How many pixels of the picture so far are not those that a z-buffer would show."""
         formats = replace(host_formats(self.formats), num_channels=self.formats.num_channels)
         orders = replace(formats, max_order=max(self.formats.max_order, 1))

@@ -227,7 +227,8 @@ class TcpLine(Line):
             super().give(data)
 
     def _hang_up(self) -> None:
-        self._client.close()
+        if self._client is not None:
+            self._client.close()
         self._client = None
         self._waiting.clear()
 

@@ -132,7 +132,10 @@ class ProgramEngine(Engine):
             # Ctrl-C is for the program that started it.
             start_new_session=True,
         )
-        self._input, self._output = self._process.stdin.fileno(), self._process.stdout.fileno()
+        if not (self._process.stdin and self._process.stdout and self._process.stderr):
+            raise AssertionError("the program has no pipes")
+        self._pipes = self._process.stdin, self._process.stdout, self._process.stderr
+        self._input, self._output = self._pipes[0].fileno(), self._pipes[1].fileno()
         os.set_blocking(self._input, False)
         self._queue = bytearray()
 
@@ -175,23 +178,23 @@ class ProgramEngine(Engine):
     def counters(self) -> dict[str, int]:
         """Clocks since the start: all, those with a byte on its way to rx, and those with one from tx."""
         self.set_baud(0)
-        words = self._process.stderr.readline().split()
+        words = self._pipes[2].readline().split()
         return {name.decode(): int(value) for name, value in zip(words[::2], words[1::2], strict=True)}
 
     def _ended(self) -> QuadshadeError:
         """The error for a simulator that stopped by itself."""
         self._process.wait(END_SECONDS)
-        said = self._process.stderr.read().decode(errors="replace").strip().splitlines()
+        said = self._pipes[2].read().decode(errors="replace").strip().splitlines()
         return QuadshadeError(f"the simulation has ended: {said[0] if said else 'without a word'}")
 
     def close(self) -> None:
-        self._process.stdin.close()
+        self._pipes[0].close()
         try:
             self._process.wait(END_SECONDS)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        for stream in (self._process.stdout, self._process.stderr):
+        for stream in self._pipes[1:]:
             with contextlib.suppress(OSError):
                 stream.close()
         self._scratch.cleanup()

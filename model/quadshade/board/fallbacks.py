@@ -107,6 +107,13 @@ def _lowered(triangles: ScreenTriangles, order: int) -> ScreenTriangles:
 
 def painters_order(triangles: ScreenTriangles) -> ScreenTriangles:
     """The same triangles, farthest centre first; depth is kept."""
+    if triangles.depth is None:
+        raise QuadshadeError("triangles without depth have no painter's order", "give their depth")
     order = np.argsort(-triangles.depth.sum(axis=1), kind="stable")
-    parts = {name: getattr(triangles, name)[order] for name in ("vertices", "samples", "orders", "depth")}
-    return replace(triangles, **parts)
+    return replace(
+        triangles,
+        vertices=triangles.vertices[order],
+        samples=triangles.samples[order],
+        orders=triangles.orders[order],
+        depth=triangles.depth[order],
+    )

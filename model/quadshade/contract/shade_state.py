@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from quadshade.contract.formats import (
     AMBIENT_ROW,
@@ -196,8 +197,8 @@ def channel_gains(state: ShadeState, formats: Formats) -> np.ndarray:
 
 def shade_state(
     formats: Formats,
-    ambient: Sequence[float],
-    coefficients: Sequence[Sequence[float]],
+    ambient: npt.ArrayLike,
+    coefficients: npt.ArrayLike,
     curves: Sequence[Curve],
     gated: int = 0,
 ) -> ShadeState:
@@ -227,7 +228,8 @@ def shade_state(
       A coefficient or a number of channels or curves that the unit cannot have.
     """
     wanted = (formats.num_channels, SHADED_COLOURS)
-    factors = np.asarray(coefficients, dtype=np.float64).reshape(len(coefficients), -1)
+    factors = np.asarray(coefficients, dtype=np.float64)
+    factors = factors.reshape(factors.shape[0], -1)
     if factors.shape != wanted or len(curves) != formats.num_specular:
         raise QuadshadeError(
             f"colours of {len(factors)} channels and {len(curves)} curves for"

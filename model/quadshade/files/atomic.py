@@ -38,7 +38,7 @@ def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
             raise QuadshadeError(f"cannot write {path}: there is no folder {folder}", "make it first")
         place = os.path.realpath(path)
         # The file is made beside the old one, which it then takes the place of.
-        needed = [os.path.dirname(place), *([path] if path.exists() else [])]
+        needed = [Path(place).parent, *([path] if path.exists() else [])]
         if path.is_dir() or not all(os.access(one, os.W_OK) for one in needed):
             raise QuadshadeError(f"cannot write {path}", "choose another path")
         if place in taken:

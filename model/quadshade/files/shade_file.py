@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -116,14 +117,14 @@ def _specular(given: object, channels: list[str]) -> int:
     return given
 
 
-def _colours(content: dict, key: str, count: int) -> list[list[float]]:
+def _colours(content: dict[str, Any], key: str, count: int) -> list[list[float]]:
     rows = content.get(key, [] if count == 0 else None)
     if not isinstance(rows, list) or len(rows) != count:
         raise _Fault(f"{key} is not a list of {count} colours")
     return [_numbers(row, SHADED_COLOURS, 0, _BELOW_LIMIT, f"{key} {i}") for i, row in enumerate(rows)]
 
 
-def _curves(content: dict, count: int) -> list[Curve]:
+def _curves(content: dict[str, Any], count: int) -> list[Curve]:
     """A curve for each specular channel."""
     given = [key for key in ("exponent", "table", "tables") if key in content]
     if len(given) != 1:
@@ -165,7 +166,7 @@ def _numbers(given: object, count: int, low: float, high: float, what: str) -> l
     return [float(value) for value in given]
 
 
-def shade_content(state: ShadeState, formats: Formats) -> dict:
+def shade_content(state: ShadeState, formats: Formats) -> dict[str, Any]:
     """The object ``shade`` of a state; :func:`read_shade` gives the same state back."""
     top, scale = (1 << formats.value_bits) - 1, 1 << COEFFICIENT_FRAC_BITS
     diffuse = formats.num_channels - formats.num_specular

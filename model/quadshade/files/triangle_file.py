@@ -7,6 +7,7 @@ import json
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def _available_memory() -> int:
     return 1 << 62
 
 
-def _load(path: Path) -> dict:
+def _load(path: Path) -> dict[str, Any]:
     """The file's JSON object."""
     try:
         size = os.stat(path).st_size
@@ -91,7 +92,7 @@ def _in_range(values: list[float], top: int, what: str, low: int = 0) -> list[fl
     return values
 
 
-def _read_vertices(triangle: dict, formats: Formats, out: np.ndarray) -> None:
+def _read_vertices(triangle: dict[str, Any], formats: Formats, out: np.ndarray) -> None:
     corners = triangle.get("vertices")
     if not isinstance(corners, list) or len(corners) != 3:
         raise _Fault("vertices is missing or is not three points")
@@ -110,7 +111,7 @@ def _read_vertices(triangle: dict, formats: Formats, out: np.ndarray) -> None:
 
 
 def _read_samples(
-    triangle: dict, channels: list[str], low: int, top: int, samples: np.ndarray, orders: np.ndarray
+    triangle: dict[str, Any], channels: list[str], low: int, top: int, samples: np.ndarray, orders: np.ndarray
 ) -> None:
     given = triangle.get("samples")
     if not isinstance(given, dict):
@@ -127,7 +128,7 @@ def _read_samples(
         orders[index] = _ORDER_OF_LENGTH[len(values)]
 
 
-def _check_head(content: dict, path: Path) -> tuple[list[str], list]:
+def _check_head(content: dict[str, Any], path: Path) -> tuple[list[str], list[Any]]:
     """Channel names and triangles of a file's object; the screen's size is checked too."""
     for key in ("width", "height"):
         value = content.get(key)
@@ -154,11 +155,11 @@ def _check_head(content: dict, path: Path) -> tuple[list[str], list]:
     return channels, triangles
 
 
-def _has_depth(triangles: list) -> bool:
+def _has_depth(triangles: list[Any]) -> bool:
     return any(isinstance(triangle, dict) and "depth" in triangle for triangle in triangles)
 
 
-def _convert(content: dict, path: Path, formats: Formats) -> ScreenTriangles:
+def _convert(content: dict[str, Any], path: Path, formats: Formats) -> ScreenTriangles:
     """The file's triangles, each checked."""
     channels, given = _check_head(content, path)
     limit = 1 << formats.coord_bits

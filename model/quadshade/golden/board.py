@@ -83,8 +83,8 @@ class DrawnScreen(Screen):
         self.draw_words()
         return super().plane(plane)
 
-    def read(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
-        """READ's bytes; ``pixels`` is what the bytes need."""
+    def read(self, x: int, y: int, width: int, count: int, plane: int, pixels: int = 0) -> bytes:
+        """READ's bytes; ``pixels``, how many they need, follows from ``count``."""
         return super().read(x, y, width, count, plane)
 
 

@@ -8,9 +8,12 @@ the RTL signal it stands for.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
+from quadshade.contract.arrays import Ints
 from quadshade.contract.formats import Formats
 
 WALK_STAGES = 7
@@ -20,17 +23,23 @@ EMPTY = -1
 """A stage that holds nothing."""
 
 
+class _Pipeline(NamedTuple):
+    """
+    What a drawing's clocks depend on beside the packets; see :func:`count_clocks`.
+
+    From beat ``words_beat`` on a packet writes differences.
+    """
+
+    words_beat: int
+    span_depth: int
+    stall_period: int
+    stages_behind: int
+
+
 @numba.njit(cache=True)
-def _count_clocks(
-    beats: np.ndarray,
-    first_rows: np.ndarray,
-    row_pixels: np.ndarray,
-    words_beat: int,
-    span_depth: int,
-    stall_period: int,
-    stages_behind: int,
-) -> int:
+def _count_clocks(beats: Ints, first_rows: Ints, row_pixels: Ints, pipeline: _Pipeline) -> int:
     """Cycles from the first beat accepted to the last pixel out, both included; 0 where none comes out."""
+    words_beat, span_depth, stall_period, stages_behind = pipeline
     packets = len(beats)
     remaining_pixels = row_pixels.sum()
     if remaining_pixels == 0:
@@ -171,14 +180,6 @@ def count_clocks(
     int
       0 where no pixel comes out.
     """
-    return int(
-        _count_clocks(
-            beats,
-            first_rows,
-            row_pixels,
-            formats.section_beats("edge") - 1,
-            formats.span_depth,
-            stall_period,
-            stages_behind,
-        )
-    )
+    words_beat = formats.section_beats("edge") - 1
+    pipeline = _Pipeline(words_beat, formats.span_depth, stall_period, stages_behind)
+    return int(_count_clocks(beats, first_rows, row_pixels, pipeline))

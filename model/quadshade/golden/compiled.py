@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from quadshade.contract.arrays import Ints, Record, Records, Words32
+from quadshade.contract.arrays import Int, Ints, Record, Records, Words32
 from quadshade.contract.formats import (
     DIFFERENCES,
     DIFFERENCES_OF_ORDER,
@@ -141,7 +141,7 @@ def _layout(formats: Formats) -> _Layout:
 
 
 @numba.njit(cache=True)
-def _field(words: Words32, at: int, offset: int, width: int) -> int:
+def _field(words: Words32, at: int, offset: int, width: int) -> Int:
     """A raw bit field of at most 32 bits of the section at a set-up word; it may stand in two words."""
     at += offset // SETUP_WORD_BITS
     shift = offset % SETUP_WORD_BITS
@@ -158,9 +158,9 @@ def _group_end(group: int, layout: _Layout) -> int:
 
 
 @numba.njit(cache=True)
-def _group_differences(orders: int, group: int, layout: _Layout) -> int:
+def _group_differences(orders: Int, group: int, layout: _Layout) -> int:
     """Differences that a channel group sends."""
-    order = 0
+    order: Int = 0
     for channel in range(group * layout.group_size, _group_end(group, layout)):
         order = max(order, min((orders >> (2 * channel)) & 3, QUADRATIC))
     return DIFFERENCES_OF_ORDER[min(order, layout.built[group])]
@@ -191,7 +191,7 @@ def _read_fields(words: Words32, starts: Ints, layout: _Layout) -> Ints:
         offset, width, sign = layout.offsets[index], layout.widths[index], layout.signs[index]
         for packet in range(len(table)):
             at = starts[packet]
-            raw = 0
+            raw: Int = 0
             if index < layout.second_from:
                 raw = _field(words, at, offset, width)
             elif words[at] & 1:

@@ -157,6 +157,8 @@ class Exchange:
 
     def _hello_again(self, problem: LineGoneError) -> dict[str, int]:
         """HELLO on a line that may vanish again."""
+        if self.reopen is None:
+            raise problem
         for _ in range(RECONNECTS):
             self.transport = self.reopen()
             self._frames.clear()

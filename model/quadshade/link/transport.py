@@ -26,6 +26,10 @@ READ_BYTES = 65536
 class Transport(Protocol):
     """What a session needs of a line."""
 
+    @property
+    def fixed_rate(self) -> bool:
+        """The line has no rate: there is none to agree on."""
+
     def write(self, data: bytes) -> None:
         """Send all of it."""
 
@@ -86,12 +90,13 @@ SLOW_SECONDS = 0.05
 def _error_number(problem: BaseException | None) -> int | None:
     """The system's number of an error, also where pyserial has wrapped it in one of its own."""
     while problem is not None:
-        if getattr(problem, "errno", None) is not None:
-            return problem.errno
+        number = getattr(problem, "errno", None)
+        if isinstance(number, int):
+            return number
         if "exclusively lock" in str(problem):
             return errno.EBUSY
         if isinstance(problem, termios.error):
-            return problem.args[0]
+            return int(problem.args[0])
         problem = problem.__cause__ or problem.__context__
     return None
 

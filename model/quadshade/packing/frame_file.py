@@ -226,7 +226,8 @@ def _damaged(name: str, what: str) -> NoReturn:
 
 def _blocks(data: bytes, name: str) -> list[tuple[bytes, bytes]]:
     """Kind and content of every block, each with the right CRC, up to the last one."""
-    blocks, at = [], len(MAGIC)
+    blocks: list[tuple[bytes, bytes]] = []
+    at = len(MAGIC)
     while not blocks or blocks[-1][0] != END:
         if at == len(data):
             _damaged(name, "the file is cut short: its last block is missing")
@@ -245,7 +246,7 @@ def _blocks(data: bytes, name: str) -> list[tuple[bytes, bytes]]:
     return blocks
 
 
-def _head(content: bytes, name: str) -> dict:
+def _head(content: bytes, name: str) -> dict[str, Any]:
     """What the first block says, as arguments of :class:`FrameFile`."""
     version = int.from_bytes(content[:2], "little")
     if version != VERSION:

@@ -10,11 +10,13 @@ they need or change at the price of an address and a value.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from quadshade.choices import PACK_ERROR
+from quadshade.contract.arrays import Int, Ints, Words32
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     CHANNEL_KINDS,
@@ -28,6 +30,7 @@ from quadshade.contract.packed_format import (
 from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.packing.widths import Needs, hold
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.short_words import NUM_DIFFERENCES, short_words
@@ -62,81 +65,7 @@ class Packed:
 
 
 @njit(cache=True)
-def _bits_sent(value, below, is_top):
-    return max(value + 1 - below, 0) if is_top else -value
-
-
-@njit(cache=True)
-def _hold_one(need, count, below, is_top, change, states, out):
-    """The cheapest values of one width over the packets (``out``): at most ``need``, for a top at least."""
-    cost, before = np.zeros(states), np.zeros(states)
-    changed = np.zeros((len(need), states), np.bool_)
-    best = np.zeros(len(need), np.int64)
-    known = False
-    for p in range(len(need)):
-        if count[p] == 0:
-            best[p] = -1
-            continue
-        before[:] = cost
-        best[p] = np.argmin(before)
-        for value in range(states):
-            if not known or before[best[p]] + change < before[value]:
-                changed[p, value] = True
-                cost[value] = before[best[p]] + change
-            if value < need[p] if is_top else value > need[p]:
-                cost[value] = np.inf
-            else:
-                cost[value] += count[p] * _bits_sent(value, below[p], is_top)
-        known = True
-    value = np.argmin(cost)
-    for p in range(len(need) - 1, -1, -1):
-        out[p] = value
-        if best[p] >= 0 and changed[p, value]:
-            value = best[p]
-
-
-def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats: Formats) -> np.ndarray:
-    """
-    Values of widths over the packets, each held as long as that takes the fewest bits.
-
-    Parameters
-    ----------
-    need : (n, k) int64
-      What each packet needs of each of k widths: of a top at least this, of bits below at most this.
-    count : (n, k) int64
-      Fields that each packet sends with it; where 0 anything will do.
-    below : (n, k) int64 or None
-      For tops the bits below, which are not sent.
-    formats : Formats
-
-    Returns
-    -------
-    (n, k) int64
-    """
-    change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
-    out = np.zeros_like(need)
-    for index in range(need.shape[1]):
-        asked = need[count[:, index] > 0, index]
-        if not len(asked):
-            continue
-        # No other value is ever the cheapest.
-        lowest, values = asked.min(), 1 + asked.max() - asked.min()
-        column = np.zeros(len(need), np.int64)
-        _hold_one(
-            need[:, index] - lowest,
-            np.ascontiguousarray(count[:, index]),
-            column if below is None else below[:, index] - lowest,
-            below is not None,
-            float(change),
-            values,
-            column,
-        )
-        out[:, index] = column + lowest
-    return out
-
-
-@njit(cache=True)
-def _put(out, at, value, bits):
+def _put(out: Words32, at: int, value: Int, bits: int) -> int:
     """Write bits, the lowest first; without words to write to only count them."""
     if len(out):
         for index in range(bits):
@@ -145,37 +74,71 @@ def _put(out, at, value, bits):
     return at + bits
 
 
+class _Packets(NamedTuple):
+    """
+    What packets are written from, an entry a packet.
+
+    ``flags`` are the bits of :data:`RAW_FIELDS`; ``fields`` (n, k) the fields from ``y`` on, of which the first
+    ``num_fields`` are sent; ``widths`` (n, a) the width at each address, ``used`` where a packet needs it.
+    """
+
+    flags: Ints
+    orders: Ints
+    fields: Ints
+    num_fields: Ints
+    words: Ints
+    widths: Ints
+    used: Ints
+
+
+class _Layout(NamedTuple):
+    """
+    What is the same for all packets.
+
+    ``field_bits`` and ``field_addresses`` are those of the fields from ``y`` on, ``kinds`` the channels',
+    ``width_bits`` and ``address_bits`` those of a change.
+    """
+
+    field_bits: Ints
+    field_addresses: Ints
+    kinds: Ints
+    width_bits: int
+    address_bits: int
+
+
 @njit(cache=True)
-def _write(flags, orders, fields, num_fields, words, widths, used, table, kinds, sizes, out, starts):
+def _write(packets: _Packets, layout: _Layout, out: Words32, starts: Ints) -> int:
     """Write all packets; ``starts`` gets their bits. Returns how many bits there are."""
+    orders, widths, used, kinds = packets.orders, packets.widths, packets.used, layout.kinds
     held = np.full(widths.shape[1], -1, np.int64)
     last_orders = np.full(orders.shape[1], -1, np.int64)
     at = 0
-    for p in range(len(flags)):
+    for p in range(len(packets.flags)):
         starts[p] = at
         at = _put(out, at, 1, 1)
         for address in range(len(held)):
             if used[p, address] and held[address] != widths[p, address]:
                 held[address] = widths[p, address]
                 at = _put(out, at, 1, 1)
-                at = _put(out, at, address, sizes[1])
-                at = _put(out, at, held[address], sizes[0])
+                at = _put(out, at, address, layout.address_bits)
+                at = _put(out, at, held[address], layout.width_bits)
         at = _put(out, at, 0, 1)
-        at = _put(out, at, flags[p], NUM_RAW)
+        at = _put(out, at, packets.flags[p], NUM_RAW)
         same = (orders[p] == last_orders).all()
         at = _put(out, at, np.int64(same), 1)
         if not same:
             last_orders[:] = orders[p]
             for channel in range(len(kinds)):
                 at = _put(out, at, orders[p, channel], 2)
-        for index in range(num_fields[p]):
-            at = _put(out, at, fields[p, index], min(widths[p, table[index, 1]] + 1, table[index, 0]))
+        for index in range(packets.num_fields[p]):
+            width = widths[p, layout.field_addresses[index]]
+            at = _put(out, at, packets.fields[p, index], min(width + 1, layout.field_bits[index]))
         for channel in range(len(kinds)):
             for difference in range(DIFFERENCES_OF_ORDER[orders[p, channel]]):
                 address = KIND_WIDTHS * kinds[channel] + 2 * difference
                 below, top = widths[p, address], widths[p, address + 1]
-                at = _put(out, at, words[p, channel, difference] >> below, max(top + 1 - below, 0))
-    starts[len(flags)] = at
+                at = _put(out, at, packets.words[p, channel, difference] >> below, max(top + 1 - below, 0))
+    starts[len(packets.flags)] = at
     return at
 
 
@@ -195,43 +158,6 @@ def _signed(values: np.ndarray, bits: int) -> np.ndarray:
     """Two's complement of some bits, sign extended."""
     half = 1 << (bits - 1)
     return ((values + half) & (2 * half - 1)) - half
-
-
-class Needs:
-    """
-    What packets need of each width, address by address.
-
-    Attributes
-    ----------
-    need, count, below : (n, addresses) int64
-      As for :func:`hold`.
-    is_below : (addresses,) bool
-      Addresses of numbers of bits that are not sent.
-    """
-
-    def __init__(self, size: int, formats: Formats) -> None:
-        addresses = 1 << size_of("width_address_bits", formats)
-        # Address by address in memory.
-        self.need, self.count, self.below = (np.zeros((addresses, size), np.int64).T for _ in range(3))
-        self.is_below = np.zeros(addresses, bool)
-
-    def top(self, address: int, top: np.ndarray, sent: np.ndarray) -> None:
-        """A field that needs its bits up to ``top``, in the packets that send it."""
-        self.need[:, address] = np.maximum(self.need[:, address], np.where(sent, top, 0))
-        self.count[:, address] += sent
-
-    def difference(self, address: int, shifts: np.ndarray, top: np.ndarray, sent: np.ndarray) -> None:
-        """A difference of a channel, without its bits below ``shifts``."""
-        self.top(address + 1, top, sent)
-        self.is_below[address] = True
-        self.below[:, address + 1] = self.need[:, address] = shifts
-        self.count[:, address] += sent
-
-    def widths(self, formats: Formats) -> np.ndarray:
-        """(n, addresses) int64: the widths of every packet. Bits below are held already."""
-        widths, tops = self.need.copy(order="C"), ~self.is_below
-        widths[:, tops] = hold(self.need[:, tops], self.count[:, tops], self.below[:, tops], formats)
-        return widths
 
 
 def _laid_out(
@@ -310,6 +236,7 @@ def pack_primitives(
     if not 0.0 <= error < np.inf:
         raise QuadshadeError(f"the error of packing is {error!r}", "give grey levels, 0 or more")
     size, before = len(primitives), primitives.bound
+    zeros = np.zeros(size, np.int64)
     shifts = np.zeros((len(CHANNEL_KINDS), size, NUM_DIFFERENCES), np.int64)
     if error > 0.0 and size:
         primitives, shifts = short_words(
@@ -321,22 +248,26 @@ def pack_primitives(
     header = primitives.header
     has_second = header["has_second"] != 0
     values, needs = _laid_out(primitives, shifts, has_second, formats)
-    packets = (
-        sum(header[name].astype(np.int64) << place for place, name in enumerate(RAW_FIELDS)),
+    packets = _Packets(
+        sum((header[name].astype(np.int64) << place for place, name in enumerate(RAW_FIELDS)), start=zeros),
         primitives.orders.astype(np.int64),
         values,
         np.where(has_second, values.shape[1], second_at(formats)),
         primitives.words,
         needs.widths(formats),
         needs.count,
-        np.array([(bits, address) for _, bits, address, _ in packed_fields(formats)]),
+    )
+    layout = _Layout(
+        np.array([bits for _, bits, _, _ in packed_fields(formats)]),
+        np.array([address for _, _, address, _ in packed_fields(formats)]),
         np.array(channel_kinds(formats)),
-        (size_of("width_bits", formats), size_of("width_address_bits", formats)),
+        size_of("width_bits", formats),
+        size_of("width_address_bits", formats),
     )
     starts = np.zeros(size + 1, np.int64)
-    bits = _write(*packets, np.zeros(0, np.uint32), starts)
+    bits = _write(packets, layout, np.zeros(0, np.uint32), starts)
     words = np.zeros(-(-bits // SETUP_WORD_BITS), np.uint32)
-    _write(*packets, words, starts)
+    _write(packets, layout, words, starts)
     added = (primitives.bound - before)[:, : formats.num_channels]
     return Packed(words, primitives, starts, float(added.max(initial=0.0)))
 

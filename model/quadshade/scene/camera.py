@@ -179,7 +179,17 @@ def parse_camera(text: str, mesh: Mesh) -> Camera:
       A description that is malformed, contradicts itself or is out of range.
     """
     settings = parse_settings(text, "camera", CAMERA_KEYS) if text.strip() else {}
-    vectors = {key: np.array(settings[key]) for key in ("eye", "target", "up") if key in settings}
-    numbers = {key: settings[key][0] for key in ("fov", "ortho", "near") if key in settings}
-    direction = settings.get("from", None if "eye" in settings else DEFAULT_FROM)
-    return fit_camera(mesh, direction=direction, **vectors, **numbers)
+    vectors = {key: np.array(settings[key]) for key in ("eye", "target", "up", "from") if key in settings}
+    numbers = {key: float(settings[key][0]) for key in ("fov", "ortho", "near") if key in settings}
+    if "eye" not in settings:
+        vectors.setdefault("from", np.array(DEFAULT_FROM))
+    return fit_camera(
+        mesh,
+        eye=vectors.get("eye"),
+        target=vectors.get("target"),
+        up=vectors.get("up"),
+        fov=numbers.get("fov"),
+        ortho=numbers.get("ortho"),
+        near=numbers.get("near"),
+        direction=vectors.get("from"),
+    )

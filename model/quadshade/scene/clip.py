@@ -32,7 +32,8 @@ def clip_triangles(corners: np.ndarray, planes: np.ndarray) -> tuple[np.ndarray,
     """
     distance = np.stack([plane_distance(corners, plane) for plane in planes], axis=-1)
     inside = (distance >= 0).all(axis=(1, 2))
-    crossing = np.flatnonzero(~inside & ~(distance < 0).all(axis=1).any(axis=1))
+    beyond_one = np.any(np.all(distance < 0, axis=1), axis=1)
+    crossing = np.flatnonzero(~inside & ~beyond_one)
     whole = np.flatnonzero(inside)
     if len(crossing) == 0:
         return corners[whole].astype(np.float64), whole

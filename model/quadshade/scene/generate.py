@@ -226,7 +226,9 @@ def cube(divisions: int) -> Mesh:
     below = corner + divisions + 1
     first, second = (corner, below, corner + 1), (below, below + 1, corner + 1)
     side = np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=1).reshape(-1, 3)
-    vertices, faces, normals = [], [], []
+    vertices: list[np.ndarray] = []
+    faces: list[np.ndarray] = []
+    normals: list[np.ndarray] = []
     for axis in range(3):
         for sign in (1, -1):
             plane = np.empty((len(down), 3))

@@ -61,6 +61,11 @@ def parse_settings(
     return {key: _value(values, f"{key} of {what} {text!r}", known[key]) for key, values in groups.items()}
 
 
+def numbers_of(settings: dict[str, tuple[float, ...] | str]) -> dict[str, tuple[float, ...]]:
+    """The settings that are numbers, not a word."""
+    return {key: value for key, value in settings.items() if not isinstance(value, str)}
+
+
 def _value(values: list[str], where: str, sizes: tuple[int, ...]) -> tuple[float, ...] | str:
     """One setting's numbers or word."""
     if sizes == (WORD,):
@@ -95,5 +100,5 @@ def parse_background(text: str) -> tuple[int, int, int]:
         numbers = []
     if len(numbers) not in (1, 3) or not all(0 <= number <= 1 for number in numbers):
         raise QuadshadeError(f"the background is {text!r}", "give one or three numbers from 0 to 1")
-    levels = tuple(round(255 * number) for number in numbers)
-    return levels * 3 if len(levels) == 1 else levels
+    red, green, blue = (round(255 * number) for number in (numbers * 3 if len(numbers) == 1 else numbers))
+    return red, green, blue

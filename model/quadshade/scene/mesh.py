@@ -141,7 +141,7 @@ def build_mesh(
 
 def _rows(given: np.ndarray, kind: type, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
     """An array of a kind and a shape, of any length where that is None."""
-    array = np.asarray(given, dtype=kind)
+    array: np.ndarray = np.asarray(given, dtype=kind)
     if array.size == 0 and shape[0] is None:
         return array.reshape(0, *shape[1:])
     if array.ndim != len(shape) or any(s not in (None, n) for s, n in zip(shape, array.shape, strict=True)):

@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from numba import njit
 
+from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.camera import Camera
 from quadshade.scene.clip import clip_triangles
 from quadshade.scene.depth_range import NEAREST, depth_notes, fitted_near
 from quadshade.scene.mesh import Mesh
+
+Flags: TypeAlias = npt.NDArray[np.uint16]
 
 FARTHEST = 1e14
 """Of a triangle that is cut, to the target's distance: float64 has 16 digits, and a pixel takes three."""
@@ -72,13 +77,39 @@ class Projected:
 
     def ordered(self, order: np.ndarray) -> Projected:
         """The same triangles in another order, or a part of them: (m,) int indices or (n,) bool."""
-        names = ("vertices", "depth", "position", "normal", "colour", "weight", "source")
-        parts = {name: None if getattr(self, name) is None else getattr(self, name)[order] for name in names}
-        return replace(self, **parts)
+        return replace(
+            self,
+            vertices=self.vertices[order],
+            depth=self.depth[order],
+            position=self.position[order],
+            normal=self.normal[order],
+            colour=None if self.colour is None else self.colour[order],
+            weight=self.weight[order],
+            source=self.source[order],
+        )
 
     def back_to_front(self) -> Projected:
         """The same triangles, farthest centre first: painter's order for a core without depth."""
         return self.ordered(np.argsort(-self.depth.sum(axis=1), kind="stable"))
+
+
+class _ViewDepth(NamedTuple):
+    """Depth is linear on the screen: 0 at distance ``near``, ``full`` at ``far``."""
+
+    near: float
+    far: float
+    perspective: bool
+    full: float
+
+
+class _Corners(NamedTuple):
+    """Arrays of :class:`Projected`."""
+
+    vertices: Ints
+    depth: Floats
+    position: Floats
+    normal: Floats
+    weight: Floats
 
 
 def check_size(width: int, height: int, formats: Formats) -> None:
@@ -133,8 +164,8 @@ def project(
     # Most triangles need no clipping and many are culled: nothing is gathered for those.
     source, crossing = _seen(mesh.faces, sides, vertices, culled)
     full = 2.0**formats.depth_bits - 1
-    view_depth = near, far, view.perspective, full
-    parts = _gather(
+    view_depth = _ViewDepth(near, far, view.perspective, full)
+    corners, colours = _gather(
         source, mesh.faces, vertices, coordinates, view_depth, mesh.vertices, mesh.normals, mesh.colours
     )
     if len(crossing):
@@ -148,18 +179,22 @@ def project(
         sides = np.zeros(len(flat), np.uint16)
         vertices = _rounded(flat, sides, view.middle, scale, *formats.guard_band)
         kept, _ = _seen(faces, sides, vertices, culled[crossing[cut_from]])
-        colours = None if mesh.colours is None else pieces[..., 10:13]
-        more = _gather(kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], colours)
+        flat_colours = None if mesh.colours is None else pieces[..., 10:13]
+        more, more_colours = _gather(
+            kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], flat_colours
+        )
         source = np.concatenate([source, crossing[cut_from[kept]]])
         order = np.argsort(source, kind="stable")
         source = source[order]
-        parts = [
-            None if one is None else np.concatenate([one, two])[order]
-            for one, two in zip(parts, more, strict=True)
-        ]
+        corners = _Corners(*(np.concatenate(arrays)[order] for arrays in zip(corners, more, strict=True)))
+        if colours is not None and more_colours is not None:
+            colours = np.concatenate([colours, more_colours])[order]
     eye = view.eye if view.perspective else None
     notes = depth_notes(near, far, formats) if view.perspective else ()
-    return Projected(width, height, *parts, source, eye, camera.axes, notes)
+    vertices, depth, position, normal, weight = corners
+    return Projected(
+        width, height, vertices, depth, position, normal, colours, weight, source, eye, camera.axes, notes
+    )
 
 
 def doubled_area(vertices: np.ndarray) -> np.ndarray:
@@ -175,7 +210,12 @@ class _View:
         right, up, back = camera.axes
         self.perspective = camera.ortho is None
         half = min(width, height) / 2
-        scale = half / np.tan(np.radians(camera.fov / 2)) if self.perspective else half / camera.ortho
+        if camera.ortho is not None:
+            scale = half / camera.ortho
+        elif camera.fov is not None:
+            scale = half / np.tan(np.radians(camera.fov / 2))
+        else:
+            raise QuadshadeError("the camera has neither fov nor ortho", "give one of them")
         self.scale = float(scale)
         self.middle = np.array([width, height]) / 2
         self.rows = np.stack([scale * right, -scale * up, np.zeros(3), -back])
@@ -242,7 +282,7 @@ def _attributes(mesh: Mesh, coordinates: np.ndarray, source: np.ndarray) -> np.n
 
 
 @njit(cache=True)
-def _place(points, eye, rows, perspective):
+def _place(points: Floats, eye: Floats, rows: Floats, perspective: bool) -> Floats:
     """(m, 4) float64 coordinates of (m, 3) points, to the last bit the same for the same point."""
     out = np.empty((len(points), COORDINATES))
     for vertex in range(len(points)):
@@ -254,7 +294,7 @@ def _place(points, eye, rows, perspective):
 
 
 @njit(cache=True)
-def _beyond(coordinates, plane):
+def _beyond(coordinates: Floats, plane: Floats) -> bool:
     """Whether a vertex is on the outer side of a plane; added up as in :func:`clip.plane_distance`."""
     total = plane[COORDINATES]
     for index in range(COORDINATES):
@@ -263,7 +303,7 @@ def _beyond(coordinates, plane):
 
 
 @njit(cache=True)
-def _sides(coordinates, borders, cutters):
+def _sides(coordinates: Floats, borders: Floats, cutters: Floats) -> Flags:
     """(m,) uint16 flags: bit p beyond border p; ``CUT`` beyond any cutter."""
     out = np.zeros(len(coordinates), np.uint16)
     for vertex in range(len(coordinates)):
@@ -277,7 +317,7 @@ def _sides(coordinates, borders, cutters):
 
 
 @njit(cache=True, error_model="numpy")
-def _rounded(coordinates, sides, middle, scale, low, high):
+def _rounded(coordinates: Floats, sides: Flags, middle: Floats, scale: float, low: int, high: int) -> Ints:
     """(m, 2) int64 sub-pixels low .. high, y down, ties to even; zero for vertices beyond a cutter."""
     out = np.zeros((len(coordinates), 2), np.int64)
     for vertex in range(len(coordinates)):
@@ -290,7 +330,7 @@ def _rounded(coordinates, sides, middle, scale, low, high):
 
 
 @njit(cache=True)
-def _facing(face, vertices):
+def _facing(face: Ints, vertices: Ints) -> int:
     """Positive for a triangle that turns counter-clockwise on the screen, 0 without area (an integer)."""
     x, y = vertices[face[0], 0], vertices[face[0], 1]
     x2, y2 = vertices[face[1], 0] - x, vertices[face[1], 1] - y
@@ -299,7 +339,7 @@ def _facing(face, vertices):
 
 
 @njit(cache=True)
-def _seen(faces, sides, vertices, culled):
+def _seen(faces: Ints, sides: Flags, vertices: Ints, culled: Bools) -> tuple[Ints, Ints]:
     """Faces to draw that no cutter touches, and those that one crosses: two (k,) int64, ascending."""
     whole, crossing = np.empty(len(faces), np.int64), np.empty(len(faces), np.int64)
     wholes = crossings = 0
@@ -324,30 +364,37 @@ def _gather(
     faces: np.ndarray,
     vertices: np.ndarray,
     coordinates: np.ndarray,
-    view_depth: tuple[float, float, bool, float],
+    view_depth: _ViewDepth,
     position: np.ndarray,
     normal: np.ndarray,
     colour: np.ndarray | None,
-) -> tuple[np.ndarray | None, ...]:
-    """``Projected``'s vertices, depth, position, normal, colour and weight of (k,) chosen faces."""
+) -> tuple[_Corners, np.ndarray | None]:
+    """What (k,) chosen faces have at their corners, and their colours."""
     count = len(chosen)
-    out = (
+    out = _Corners(
         np.empty((count, 3, 2), np.int64),
         np.empty((count, 3)),
         np.empty((count, 3, 3)),
         np.empty((count, 3, 3)),
+        np.empty((count, 3)),
     )
-    weight = np.empty((count, 3))
-    _fill(chosen, faces, vertices, coordinates, *view_depth, position, normal, *out, weight)
-    return *out, None if colour is None else colour[chosen], weight
+    _fill(chosen, faces, vertices, coordinates, view_depth, position, normal, out)
+    return out, None if colour is None else colour[chosen]
 
 
 @njit(cache=True, error_model="numpy")
 def _fill(
-    chosen, faces, vertices, coordinates, near, far, perspective, full, position, normal,
-    out_vertices, out_depth, out_position, out_normal, out_weight,
-):  # fmt: skip
-    """The arrays of :func:`_gather`; depth is linear on the screen, ``full`` at ``far``."""
+    chosen: Ints,
+    faces: Ints,
+    vertices: Ints,
+    coordinates: Floats,
+    view_depth: _ViewDepth,
+    position: Floats,
+    normal: Floats,
+    out: _Corners,
+) -> None:
+    """The arrays of :func:`_gather`."""
+    near, far, perspective, full = view_depth
     for row in range(len(chosen)):
         face = faces[chosen[row]]
         back = _facing(face, vertices) < 0
@@ -360,11 +407,11 @@ def _fill(
                 share = (1 / near - 1 / distance) / (1 / near - 1 / far)
             else:
                 share = (distance - near) / (far - near)
-            out_depth[row, corner] = min(max(share, 0.0), 1.0) * full
-            out_weight[row, corner] = 1 / coordinates[vertex, DIVISOR]
-            out_vertices[row, corner, 0] = vertices[vertex, 0]
-            out_vertices[row, corner, 1] = vertices[vertex, 1]
+            out.depth[row, corner] = min(max(share, 0.0), 1.0) * full
+            out.weight[row, corner] = 1 / coordinates[vertex, DIVISOR]
+            out.vertices[row, corner, 0] = vertices[vertex, 0]
+            out.vertices[row, corner, 1] = vertices[vertex, 1]
             for axis in range(3):
                 part = normal[chosen[row], corner, axis]
-                out_position[row, corner, axis] = position[vertex, axis]
-                out_normal[row, corner, axis] = -part if back else part
+                out.position[row, corner, axis] = position[vertex, axis]
+                out.normal[row, corner, axis] = -part if back else part

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Ints, Words32
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, EDGES, SETUP_WORD_BITS, Formats
 from quadshade.errors import QuadshadeError
 
@@ -70,37 +72,48 @@ def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndar
 
 
 @njit(cache=True)
-def _put_field(out, at, rows, raw, offset, width):
-    """Write the raw values of one bit field into the zeroed packets of some rows, from lanes ``at`` on."""
-    lane, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
+def _put_field(out: Words32, at: Ints, rows: Ints, raw: Ints, offset: int, width: int) -> None:
+    """Write the raw values of one bit field into the zeroed packets of some rows, from words ``at`` on."""
+    first, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
     mask = np.uint64((1 << width) - 1)
-    lanes = (offset % SETUP_WORD_BITS + width + SETUP_WORD_BITS - 1) // SETUP_WORD_BITS
+    touched = (offset % SETUP_WORD_BITS + width + SETUP_WORD_BITS - 1) // SETUP_WORD_BITS
     for row in rows:
         value = np.uint64(raw[row]) & mask
-        place = at[row] + lane
+        place = at[row] + first
         out[place] |= np.uint32(value << shift)
-        if lanes > 1:
+        if touched > 1:
             out[place + 1] |= np.uint32(value >> (np.uint64(SETUP_WORD_BITS) - shift))
-        if lanes > 2:
+        if touched > 2:
             out[place + 2] |= np.uint32(value >> (np.uint64(2 * SETUP_WORD_BITS) - shift))
 
 
+class _Layout(NamedTuple):
+    """
+    How differences lie in a packet: the channel behind each group's last one; set-up words of a group's and of
+    one channel's difference; the bits of a word.
+    """
+
+    group_ends: Ints
+    group_words: int
+    difference_words: int
+    word_mask: int
+
+
 @njit(cache=True)
-def _put_differences(
-    out, at, rows, words, levels, groups, differences_of_order, group_words, difference_words, mask
-):
-    """Write the channel words of some rows behind their sections; ``groups`` is each group's end channel."""
+def _put_differences(out: Words32, at: Ints, rows: Ints, words: Ints, levels: Ints, layout: _Layout) -> None:
+    """Write the differences of some rows from set-up words ``at`` on; ``levels`` are the groups' orders."""
+    mask = np.uint64(layout.word_mask)
     for row in rows:
-        lane, first = at[row], 0
-        for group in range(len(groups)):
-            for difference in range(differences_of_order[levels[row, group]]):
-                for channel in range(first, groups[group]):
+        begin, first = at[row], 0
+        for group in range(len(layout.group_ends)):
+            for difference in range(DIFFERENCES_OF_ORDER[levels[row, group]]):
+                for channel in range(first, layout.group_ends[group]):
                     raw = np.uint64(words[row, channel, difference]) & mask
-                    for part in range(difference_words):
-                        place = lane + (channel - first) * difference_words + part
-                        out[place] = np.uint32(raw >> np.uint64(SETUP_WORD_BITS * part))
-                lane += group_words
-            first = groups[group]
+                    place = begin + (channel - first) * layout.difference_words
+                    for part in range(layout.difference_words):
+                        out[place + part] = np.uint32(raw >> np.uint64(SETUP_WORD_BITS * part))
+                begin += layout.group_words
+            first = layout.group_ends[group]
 
 
 def group_orders(orders: np.ndarray, formats: Formats) -> np.ndarray:
@@ -149,10 +162,12 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
     ends = np.cumsum(lengths)
     out = np.zeros(ends[-1], dtype=np.uint32)
     levels = group_orders(primitives.orders, formats)
-    group_ends = np.array([group[-1] + 1 for group in formats.channel_groups])
-    differences_of_order = np.array(DIFFERENCES_OF_ORDER)
-    group_words = formats.difference_beats * formats.beat_words
-    mask = np.uint64((1 << formats.word_width) - 1)
+    layout = _Layout(
+        np.array([group[-1] + 1 for group in formats.channel_groups]),
+        formats.difference_beats * formats.beat_words,
+        formats.difference_words,
+        (1 << formats.word_width) - 1,
+    )
     sections = [
         (
             formats.section_beats(section) * formats.beat_words,
@@ -167,13 +182,10 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
     for start in range(0, len(primitives), BLOCK):
         rows = np.arange(start, min(start + BLOCK, len(primitives)))
         present = rows
-        for lanes, placed in sections:
+        for section_words, placed in sections:
             for raw, offset, width in placed:
                 _put_field(out, at, present, raw, offset, width)
-            at[present] += lanes
+            at[present] += section_words
             present = rows[primitives.header["has_second"][rows] != 0]
-        _put_differences(
-            out, at, rows, primitives.words, levels, group_ends, differences_of_order, group_words,
-            formats.difference_words, mask,
-        )  # fmt: skip
+        _put_differences(out, at, rows, primitives.words, levels, layout)
     return out

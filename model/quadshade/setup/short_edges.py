@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Ints
 from quadshade.setup.packet import Primitives
 
 MOST_TRIES = 256
@@ -19,7 +20,7 @@ MOST_TRIES = 256
 
 
 @njit(cache=True)
-def _remainders(columns, rows, slope, height):
+def _remainders(columns: Ints, rows: int, slope: int, height: int) -> tuple[int, int]:
     """Least and greatest remainder with these columns, or an empty range."""
     least, most = 0, height - 1
     for k in range(1, rows):
@@ -31,7 +32,7 @@ def _remainders(columns, rows, slope, height):
 
 
 @njit(cache=True)
-def _shorten(rows, remainder, increment, height, columns):
+def _shorten(rows: Ints, remainder: Ints, increment: Ints, height: Ints, columns: Ints) -> None:
     """Write the shortest (remainder, increment, height) of every edge over itself."""
     for p in range(len(rows)):
         count, r, a, h = rows[p], remainder[p], increment[p], height[p]

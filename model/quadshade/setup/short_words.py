@@ -122,9 +122,8 @@ def _most(given: _Channels, regions: Regions, out: Ints) -> None:
         start = np.log2(budget) + (1.0 if highest == CONSTANT else 1.5)
         while start > -1.0:
             for difference in range(NUM_DIFFERENCES):
-                shifts[difference] = min(
-                    max(np.int64(np.floor(start - spreads[difference])), 0), given.word_width - 1
-                )
+                shift = int(np.floor(start - spreads[difference]))
+                shifts[difference] = min(max(shift, 0), given.word_width - 1)
             share = _round(given, regions, p, shifts, rounded)
             if share <= 1.0:
                 out[p] = shifts

@@ -247,4 +247,4 @@ def setup_triangles(
             "decrement": state["increment"] - state["height"],
         }
     owners = heads["triangle"].copy()
-    return Primitives(owners, header, edges, orders[owners], words, bounds, undefined.any(axis=1))
+    return Primitives(owners, header, edges, orders[owners], words, bounds, np.any(undefined, axis=1))

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Floats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import AmbientLight, Light, PointLight
@@ -16,7 +18,9 @@ from quadshade.shading.material import Material
 COLOURS = 3
 
 
-def compiled_surface(projected: Projected, lights: Sequence[Light], material: Material, full: float) -> tuple:
+def compiled_surface(
+    projected: Projected, lights: Sequence[Light], material: Material, full: float
+) -> tuple[Any, ...]:
     """
     What :func:`light_point` needs: eye, ambient, a row of nine numbers a light, material, largest value.
 
@@ -53,7 +57,7 @@ def compiled_surface(projected: Projected, lights: Sequence[Light], material: Ma
 
 
 @njit(cache=True, error_model="numpy")
-def light_point(normal, point, surface, out):
+def light_point(normal: Floats, point: Floats, surface: tuple[Any, ...], out: Floats) -> None:
     """
     The light that a point reflects to the eye, as ``Material.reflect``, clamped and at full scale.
 

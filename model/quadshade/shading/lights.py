@@ -8,12 +8,14 @@ three), with ``colour=r,g,b`` and, for points, ``attenuation=a,b,c`` for 1 / (a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.key_values import parse_settings
+from quadshade.scene.key_values import numbers_of, parse_settings
 
 WHITE = (1.0, 1.0, 1.0)
 LIGHT_KEYS = {"dir": (3,), "point": (3,), "ambient": (1, 3), "colour": (1, 3), "attenuation": (3,)}
@@ -52,7 +54,7 @@ class DirectionalLight:
         intensity : () or (m,) float64
         """
         direction = np.asarray(self.direction, dtype=np.float64)
-        return direction / np.linalg.norm(direction), np.float64(1.0)
+        return direction / np.linalg.norm(direction), np.ones(())
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,9 @@ class PointLight:
         return vector / np.maximum(distance, tiny)[:, None], 1 / np.maximum(fall, 1e-12)
 
 
-Light = AmbientLight | DirectionalLight | PointLight
+PointedLight: TypeAlias = DirectionalLight | PointLight
+"""A light that comes from somewhere."""
+Light: TypeAlias = AmbientLight | PointedLight
 
 DEFAULT_DIRECTION = (-0.5, 1.0, 1.0)
 """The default light comes from above, in front and a little from the left, as the viewer sees it."""
@@ -100,18 +104,25 @@ def default_lights(axes: np.ndarray) -> tuple[Light, ...]:
     tuple of lights
     """
     direction = np.asarray(DEFAULT_DIRECTION) @ axes
-    return AmbientLight(), DirectionalLight(tuple(float(part) for part in direction))
+    x, y, z = (float(part) for part in direction)
+    return AmbientLight(), DirectionalLight((x, y, z))
 
 
 DEFAULT_LIGHTS = default_lights(np.eye(3))
 """The default lights of a viewer who looks from +z, y up."""
 
 
+def three(numbers: Sequence[float]) -> tuple[float, float, float]:
+    """Three numbers, or one that stands for all three."""
+    first, second, third = numbers if len(numbers) > 1 else (*numbers, *numbers, *numbers)
+    return first, second, third
+
+
 def triple(numbers: tuple[float, ...], where: str) -> tuple[float, float, float]:
     """A colour of one (grey) or three numbers; raises :class:`QuadshadeError` for negative ones."""
     if min(numbers) < 0:
         raise QuadshadeError(f"the {where} is {','.join(f'{n:g}' for n in numbers)}", "give numbers from 0")
-    return tuple(numbers) * 3 if len(numbers) == 1 else tuple(numbers)
+    return three(numbers)
 
 
 def parse_light(text: str) -> Light:
@@ -132,7 +143,7 @@ def parse_light(text: str) -> Light:
     QuadshadeError
       A malformed description.
     """
-    settings = parse_settings(text, "light", LIGHT_KEYS)
+    settings = numbers_of(parse_settings(text, "light", LIGHT_KEYS))
     kinds = [kind for kind in ("dir", "point", "ambient") if kind in settings]
     if len(kinds) != 1:
         raise QuadshadeError(
@@ -144,7 +155,8 @@ def parse_light(text: str) -> Light:
     colour = triple(settings.get("colour", WHITE), "light's colour")
     if kind == "ambient":
         intensity = triple(settings["ambient"], "light's ambient")
-        return AmbientLight(tuple(float(a * b) for a, b in zip(intensity, colour, strict=True)))
+        return AmbientLight(three([float(a * b) for a, b in zip(intensity, colour, strict=True)]))
     if kind == "dir":
-        return DirectionalLight(settings["dir"], colour)
-    return PointLight(settings["point"], colour, settings.get("attenuation", (1.0, 0.0, 0.0)))
+        return DirectionalLight(three(settings["dir"]), colour)
+    attenuation = three(settings.get("attenuation", (1.0, 0.0, 0.0)))
+    return PointLight(three(settings["point"]), colour, attenuation)

@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -155,6 +156,7 @@ class Material:
         self, point: np.ndarray, normal: np.ndarray, to_light: np.ndarray, to_viewer: np.ndarray
     ) -> np.ndarray:
         """What the user's function returns, checked."""
+        assert self.reflectance is not None
         name = getattr(self.reflectance, "__name__", "reflectance")
         vectors = (np.broadcast_to(vector, normal.shape) for vector in (to_light, to_viewer))
         try:
@@ -208,10 +210,10 @@ def parse_material(
     QuadshadeError
       A malformed description, an exponent given twice, or terms that exclude each other.
     """
-    settings = parse_settings(text, "material", MATERIAL_KEYS) if text.strip() else {}
+    settings: dict[str, Any] = dict(parse_settings(text, "material", MATERIAL_KEYS)) if text.strip() else {}
     if exponent is not None and "exponent" in settings:
         raise QuadshadeError("the exponent is given twice", "give --exponent or the material's exponent")
-    changes = {
+    changes: dict[str, Any] = {
         name: triple(settings[name], f"material's {name}")
         for name in ("colour", "diffuse", "ambient", "specular")
         if name in settings
@@ -226,13 +228,13 @@ def parse_material(
     return replace(PICTURE_MATERIAL, reflectance=reflectance, **changes)
 
 
-def _phong_terms(settings: dict) -> dict:
+def _phong_terms(settings: dict[str, Any]) -> dict[str, Any]:
     """
     ``d`` and ``W(i)`` of Phong's equation 3, S = C [cos(i) (1 - d) + d] + W(i) cos(s)^n, as fields.
 
     With ``d`` the diffuse factor is 1 - d and the ambient one d; W is a factor of white's specular share.
     """
-    terms: dict = {}
+    terms: dict[str, Any] = {}
     if "d" in settings:
         (d,) = settings["d"]
         if {"diffuse", "ambient"} & settings.keys():
@@ -298,6 +300,8 @@ def _load_file(path: Path) -> object:
     from importlib.util import module_from_spec, spec_from_file_location
 
     spec = spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None:
+        raise QuadshadeError(f"{path} is not a Python file", "give a file whose name ends in .py")
     module = module_from_spec(spec)
     sys.modules.setdefault(path.stem, module)
     spec.loader.exec_module(module)

@@ -73,8 +73,9 @@ def polynomial(samples: np.ndarray, orders: np.ndarray, weights: np.ndarray) -> 
         ],
         axis=-1,
     )
-    values = np.empty(samples.shape[:2])
-    for channel in range(values.shape[1]):
+    count, channels = samples.shape[:2]
+    values = np.empty((count, channels))
+    for channel in range(channels):
         order = orders[:, channel][:, None]
         shape = np.where(order == QUADRATIC, quadratic, np.where(order == LINEAR, linear, flat))
         values[:, channel] = (shape * samples[:, channel]).sum(axis=-1)

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from quadshade.choices import SHADING_ORDERS
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -190,7 +191,7 @@ def middle_normals(corners: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, error_model="numpy")
-def unit(vectors):
+def unit(vectors: Floats) -> Floats:
     """(m, 3) vectors at unit length; zero stays zero."""
     out = np.empty_like(vectors)
     for index in range(len(vectors)):
@@ -203,7 +204,7 @@ def unit(vectors):
 
 
 @njit(cache=True, error_model="numpy")
-def _shares(places, weight, triangle):
+def _shares(places: Floats, weight: Floats, triangle: Ints) -> Floats:
     """(m, k, 3) shares of the corners, in the scene, at (m, k, 3) places on the screen."""
     out = np.empty(places.shape)
     for index in range(len(triangle)):
@@ -221,7 +222,7 @@ def _shares(places, weight, triangle):
 
 
 @njit(cache=True)
-def _interpolate(corners, triangle, share):
+def _interpolate(corners: Floats, triangle: Ints, share: Floats) -> Floats:
     """(m * k, 3) float64: what corners (n, 3, 3) carry, at shares (m, k, 3) of triangles (m,)."""
     points = share.shape[1]
     out = np.empty((len(triangle) * points, 3))

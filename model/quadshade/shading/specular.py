@@ -27,7 +27,7 @@ from quadshade.contract.shade_state import (
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
-from quadshade.shading.lights import AmbientLight, Light, default_lights
+from quadshade.shading.lights import AmbientLight, Light, PointedLight, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
 
@@ -39,7 +39,7 @@ class UnsuitedError(QuadshadeError):
     """A scene that the shade unit cannot draw: its colours have to be interpolated instead."""
 
 
-def specular_lights(projected: Projected, lights: Sequence[Light], material: Material) -> list[Light]:
+def specular_lights(projected: Projected, lights: Sequence[Light], material: Material) -> list[PointedLight]:
     """
     The lights that need a pair of channels each.
 
@@ -265,7 +265,7 @@ def light_colours(
 
 def cosines(
     projected: Projected,
-    lights: Sequence[Light],
+    lights: Sequence[PointedLight],
     material: Material,
     points: np.ndarray,
     strength: np.ndarray | None = None,

@@ -9,6 +9,7 @@ discontinuities the edge map comes.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -200,7 +201,7 @@ def draw_gbuffer(
     engine: str = "model",
     order: str = "quadratic",
     space: str = "camera",
-    **setup: object,
+    **setup: Any,
 ) -> tuple[GBuffer, Drawing]:
     """
     Draw a scene's normals and depth with an engine.

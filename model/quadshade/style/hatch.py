@@ -94,11 +94,12 @@ def hatch(
     (h, w, 3) uint8
     """
     tone = luminance(picture)
+    height, width = tone.shape
     ink = np.zeros(tone.shape)
     for layer in LAYERS:
         wide = np.clip((layer.below - tone) / (layer.below - layer.full), 0, 1) * layer.width / 2
         # Half a pixel's ramp at the stroke's border: strokes are smooth, and vanish where they are thin.
-        cover = np.clip(wide + 0.5 - stroke_texture(*tone.shape, layer), 0, 1) * np.minimum(wide * 2, 1)
+        cover = np.clip(wide + 0.5 - stroke_texture(height, width, layer), 0, 1) * np.minimum(wide * 2, 1)
         ink = np.maximum(ink, cover)
     ink[~covered] = 0
     sheet = np.asarray(paper, dtype=np.float64)

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import write_netlist
@@ -154,7 +155,7 @@ def read_board(name: str, root: Path) -> BoardFile:
     )
 
 
-def clocks_of(report: Mapping, required: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+def clocks_of(report: Mapping[str, Any], required: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """
     Clocks of nextpnr's report: reached and required.
 

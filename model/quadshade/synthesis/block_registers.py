@@ -13,13 +13,14 @@ import json
 from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 BLOCK, FLIP_FLOP = "DP16KD", "TRELLIS_FF"
 WIDEST = 18
 """Bits of a port's word; of wider ones a block has only one, across both ports."""
 
 
-def _enable(cell: Mapping) -> tuple | None:
+def _enable(cell: Mapping[str, Any]) -> tuple[Any, ...] | None:
     """A flip-flop's enable: a net, or ``("1",)``; None if it is inverted or has a reset or a set."""
     parameters, nets = cell["parameters"], cell["connections"]
     if nets.get("LSR", ["0"]) != ["0"] or parameters.get("LSRMUX", "LSR").strip() != "LSR":
@@ -32,7 +33,7 @@ def _enable(cell: Mapping) -> tuple | None:
     return tuple(nets["CE"]) if chosen == "CE" else None
 
 
-def absorb_registers(design: dict, top: str) -> int:
+def absorb_registers(design: dict[str, Any], top: str) -> int:
     """
     Move what can be moved of a design that Yosys has mapped.
 
@@ -69,7 +70,9 @@ def absorb_registers(design: dict, top: str) -> int:
     return absorbed
 
 
-def _absorb_side(block: dict, side: str, cells: dict, sinks: Mapping[int, list[tuple[str, str]]]) -> int:
+def _absorb_side(
+    block: dict[str, Any], side: str, cells: dict[str, Any], sinks: Mapping[int, list[tuple[str, str]]]
+) -> int:
     """One port of a block."""
     nets = block["connections"]
     if block["parameters"].get(f"REGMODE_{side}") == "OUTREG":

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
-CELLS = {
+CELLS: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     "ecp5": {"load_adder": (r"(\d+)_(\d+)", ("width", "with_carry"))},
     "ice40": {"single_port_ram": (r"(\d+)_8", ("num_words",))},
 }
@@ -30,7 +31,10 @@ def with_cells(verilog: str, family: str, root: Path) -> str:
         cells = (root / "synth" / "cells" / f"{entity}.v").read_text()
 
         def named(
-            found: re.Match, cells: str = cells, entity: str = entity, names: tuple = parameters
+            found: re.Match[str],
+            cells: str = cells,
+            entity: str = entity,
+            names: tuple[Any, ...] = parameters,
         ) -> str:
             body = re.sub(rf"\bmodule {entity}\b", f"module {found[1]}", cells)
             for name, value in zip(names, found.groups()[1:], strict=True):

@@ -16,6 +16,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from joblib import Parallel, delayed
 
@@ -291,6 +292,6 @@ def implement(
     return Implementation(device.name, area, tuple(sorted(runs, key=lambda run: run.seed)))
 
 
-def as_dict(result: Implementation) -> dict:
+def as_dict(result: Implementation) -> dict[str, Any]:
     """An implementation as what JSON can hold."""
     return asdict(result) | {"fmax_mhz": result.fmax_mhz}

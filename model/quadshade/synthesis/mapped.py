@@ -37,7 +37,9 @@ def cell_models(family: str) -> str:
       pyosys is not installed.
     """
     package_version(YOSYS)
-    (package,) = find_spec(YOSYS).submodule_search_locations
+    spec = find_spec(YOSYS)
+    assert spec is not None and spec.submodule_search_locations is not None
+    (package,) = spec.submodule_search_locations
     folder = Path(package) / "share" / family
     text = (folder / "cells_sim.v").read_text()
     # Default values of ports, and cells under older names: Icarus does not take either.

@@ -9,9 +9,10 @@ tables of README and pages from it.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import core_of
@@ -28,7 +29,7 @@ def table_path(root: Path) -> Path:
     return root / "synth" / "resources.json"
 
 
-def read_table(root: Path) -> dict:
+def read_table(root: Path) -> dict[str, Any]:
     """
     The table.
 
@@ -46,7 +47,7 @@ def read_table(root: Path) -> dict:
         raise QuadshadeError(f"{path} is no JSON: {problem}") from None
 
 
-def dumps(table: Mapping) -> str:
+def dumps(table: Mapping[str, Any]) -> str:
     """The table as it stands in its file: what is measured of a row on a few lines."""
     rows = []
     for row in table["rows"]:
@@ -56,7 +57,7 @@ def dumps(table: Mapping) -> str:
     return "{\n" + ",\n".join(head) + ',\n "rows": [\n' + ",\n".join(rows) + "\n ]\n}\n"
 
 
-def find_row(table: Mapping, device: str, generics: Mapping[str, int]) -> dict | None:
+def find_row(table: Mapping[str, Any], device: str, generics: Mapping[str, int]) -> dict[str, Any] | None:
     """The row of a device and of generics that mean the same, or None."""
     wanted = Formats().with_generics(dict(generics))
     for row in table["rows"]:
@@ -66,7 +67,11 @@ def find_row(table: Mapping, device: str, generics: Mapping[str, int]) -> dict |
 
 
 def measure_lone(
-    device: str, word_width: int, seeds: Sequence[int], root: Path, progress=None
+    device: str,
+    word_width: int,
+    seeds: Sequence[int],
+    root: Path,
+    progress: Callable[[Placed], None] | None = None,
 ) -> Implementation:
     """The lone accumulator on a device, in the same harness and flow as the core."""
     source = root / "synth" / "harness" / f"{LONE}.vhd"
@@ -75,7 +80,7 @@ def measure_lone(
     )
 
 
-def measured(core: Implementation, lone: Implementation) -> dict:
+def measured(core: Implementation, lone: Implementation) -> dict[str, Any]:
     """The measured part of a row."""
     typical = core.typical
 
@@ -93,7 +98,12 @@ def measured(core: Implementation, lone: Implementation) -> dict:
     }
 
 
-def measure_row(row: Mapping, seeds: Sequence[int], root: Path, progress=None) -> dict:
+def measure_row(
+    row: Mapping[str, Any],
+    seeds: Sequence[int],
+    root: Path,
+    progress: Callable[[str, Placed], None] | None = None,
+) -> dict[str, Any]:
     """
     A row, measured afresh: the core and the lone accumulator on the same device and seeds, in the same run.
 
@@ -114,7 +124,7 @@ def measure_row(row: Mapping, seeds: Sequence[int], root: Path, progress=None) -
     """
     formats = Formats().with_generics(row["generics"])
 
-    def report(what: str):
+    def report(what: str) -> Callable[[Placed], None] | None:
         return None if progress is None else lambda run: progress(what, run)
 
     core = implement(
@@ -125,13 +135,13 @@ def measure_row(row: Mapping, seeds: Sequence[int], root: Path, progress=None) -
     return given | measured(core, lone)
 
 
-def tools(rows: Sequence[Mapping]) -> list[str]:
+def tools(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Versions of the tools that made some rows."""
     packages = {YOSYS} | {find_device(row["device"]).nextpnr[0] for row in rows}
     return [package_version(package) for package in sorted(packages)]
 
 
-def differences(row: Mapping, fresh: Mapping) -> list[str]:
+def differences(row: Mapping[str, Any], fresh: Mapping[str, Any]) -> list[str]:
     """What is wrong with a fresh measurement of a row: other cells, or a clock under its floor."""
     found = [
         f"{row['name']} on {row['device']}: {kind} is {fresh['area'][kind]}, the table says {number}"
@@ -141,7 +151,7 @@ def differences(row: Mapping, fresh: Mapping) -> list[str]:
     return found + timing_failures(fresh)
 
 
-def timing_failures(row: Mapping) -> list[str]:
+def timing_failures(row: Mapping[str, Any]) -> list[str]:
     """A line if the row's clock is under its floor."""
     if row["fmax_mhz"] >= row["floor_mhz"]:
         return []
@@ -150,7 +160,7 @@ def timing_failures(row: Mapping) -> list[str]:
     ]
 
 
-def cells(table: Mapping) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def cells(table: Mapping[str, Any]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table's header and rows, as text, for the pages."""
     header = (
         "configuration",
@@ -162,7 +172,7 @@ def cells(table: Mapping) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         "multipliers",
         "MHz",
     )
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for row in table["rows"]:
         area = row["area"]
         rows.append(

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from quadshade.errors import QuadshadeError
 
@@ -71,7 +72,7 @@ class CriticalPath:
     levels: int
 
 
-def area_from_stat(stat: Mapping) -> Area:
+def area_from_stat(stat: Mapping[str, Any]) -> Area:
     """
     Area from Yosys' ``stat -json`` of a mapped, flat design.
 
@@ -84,7 +85,7 @@ def area_from_stat(stat: Mapping) -> Area:
     if not cells:
         raise QuadshadeError("Yosys reports no cells", "look at the netlist: is everything optimised away?")
 
-    def count(kind: re.Pattern) -> int:
+    def count(kind: re.Pattern[str]) -> int:
         return sum(number for name, number in cells.items() if kind.fullmatch(name))
 
     return Area(
@@ -97,7 +98,7 @@ def area_from_stat(stat: Mapping) -> Area:
     )
 
 
-def fmax_mhz(report: Mapping) -> float:
+def fmax_mhz(report: Mapping[str, Any]) -> float:
     """
     Clock that nextpnr's report says a design of one clock reaches.
 
@@ -112,7 +113,7 @@ def fmax_mhz(report: Mapping) -> float:
     return float(next(iter(clocks.values()))["achieved"])
 
 
-def signal_names(cells: Mapping) -> dict[int, str]:
+def signal_names(cells: Mapping[str, Any]) -> dict[int, str]:
     """
     The most readable name of each bit of a mapped module.
 
@@ -138,7 +139,7 @@ def signal_names(cells: Mapping) -> dict[int, str]:
     return best
 
 
-def register_name(cell: str, cells: Mapping, names: Mapping[int, str]) -> str:
+def register_name(cell: str, cells: Mapping[str, Any], names: Mapping[int, str]) -> str:
     """Name of the signal that a register drives; the cell's own name if it is no register of the netlist."""
     # On iCE40 a LUT and the register behind it are one cell, which nextpnr names after one of them.
     found = cells["cells"].get(cell) or cells["cells"].get(re.sub(r"_(?:DFF)?LC$", "", cell), {})
@@ -151,7 +152,7 @@ def register_name(cell: str, cells: Mapping, names: Mapping[int, str]) -> str:
     return re.sub(r"^dut\.", "", cell)
 
 
-def critical_path(report: Mapping, cells: Mapping) -> CriticalPath:
+def critical_path(report: Mapping[str, Any], cells: Mapping[str, Any]) -> CriticalPath:
     """
     The slowest path between registers in nextpnr's report.
 

@@ -51,7 +51,10 @@ class BlockRam:
                 self._read_address, wanted = read_address, self._read_address
         if enabled:
             collides = write is not None and write[0] == wanted
-            self.fetched = [None if collides else self.words.get(wanted), *self.fetched[:-1]]
+            self.fetched = [
+                None if collides else None if wanted is None else self.words.get(wanted),
+                *self.fetched[:-1],
+            ]
         if write is not None:
             self.words[write[0]] = write[1]
 

@@ -76,7 +76,7 @@ def load_packets(words: Sequence[int], formats: Formats) -> Iterator[Packet]:
 
     while position < len(words):
         start = position
-        fields = {}
+        fields: dict[str, int] = {}
         for name, _ in SECTIONS:
             sent = name == "edge" or fields["has_second"]
             bits = beats(formats.section_beats(name)) if sent else 0

@@ -19,6 +19,9 @@ class CobsDecoder:
     """Consistent overhead byte stuffing (Cheshire and Baker, 1999), taken apart; a 00 is a frame's end."""
 
     def __init__(self) -> None:
+        self._begin()
+
+    def _begin(self) -> None:
         self._begun = self._damaged = self._zero_due = False
         self._remaining = 0
 
@@ -31,7 +34,7 @@ class CobsDecoder:
         if byte == 0:
             whole = self._begun and not self._damaged and self._remaining == 0
             ended = Decoded(end=self._begun or self._damaged, good=whole)
-            self.__init__()
+            self._begin()
             return ended
         if self._remaining:
             self._remaining -= 1

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from quadshade.contract.protocol import (
     ANSWER_BIT,
@@ -117,7 +117,14 @@ class CommandDecoder:
                 answers += self._answer(Opcode.ACK, (self.receiver.expected - 1) % SEQUENCES)
         return answers
 
-    def _answer(self, opcode: int, number: int, words=(), data: bytes = b"", reason=Reason.NONE) -> bytes:
+    def _answer(
+        self,
+        opcode: int,
+        number: int,
+        words: Sequence[int] = (),
+        data: bytes = b"",
+        reason: Reason = Reason.NONE,
+    ) -> bytes:
         """An answer on the line, with the link state of this moment."""
         self._free_told = self.fifo.free
         state = self.receiver.expected | reason << 8 | self.fifo.free << 16

@@ -21,7 +21,7 @@ class Drawing(Protocol):
     def clear(self, colour: int) -> None:
         """Fill the screen, empty the depth."""
 
-    def read(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
+    def read(self, *, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
         """``count`` bytes of a plane, which are ``pixels`` pixels."""
 
     def frame_crc(self, plane: int) -> int:

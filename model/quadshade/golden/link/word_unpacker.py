@@ -10,10 +10,12 @@ channels' orders; reset forgets both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Int, Ints, Words32, record_dtype
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, QUADRATIC, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     FILLS,
@@ -28,8 +30,41 @@ from quadshade.errors import QuadshadeError
 
 NUM_RAW = len(RAW_FIELDS)
 _ONE, _SIGN = FILLS.index("one"), FILLS.index("sign")
-_BIT, _WORD, _WORD_BITS, _COUNT = range(4)
-"""Where the next bit is read; the set-up word that is begun, its bits; how many set-up words are whole."""
+
+
+class _Place:
+    """
+    Columns of how far the unpacker is.
+
+    ``bit`` is read next; ``word`` is the set-up word that is begun, ``word_bits`` how many of its bits are
+    there; ``count`` set-up words are whole.
+    """
+
+    bit: int
+    word: int
+    word_bits: int
+    count: int
+
+
+_PLACE = record_dtype(_Place)
+
+
+class _Layout(NamedTuple):
+    """
+    What the kernels need of the formats.
+
+    ``fields`` (k, 3) are bits, address and fill of each field, those of the second section from ``second_at``
+    on; ``kinds`` and ``built`` are each channel's kind and highest order, ``width_bits`` and ``address_bits``
+    those of a change.
+    """
+
+    fields: Ints
+    second_at: int
+    kinds: Ints
+    built: Ints
+    word_width: int
+    width_bits: int
+    address_bits: int
 
 
 class StarvedError(Exception):
@@ -37,41 +72,41 @@ class StarvedError(Exception):
 
 
 @njit(cache=True)
-def _take(words, place):
+def _take(words: Words32, place: _Place) -> Int:
     """The next bit of the packed words."""
-    if place[_BIT] >= SETUP_WORD_BITS * len(words):
+    if place.bit >= SETUP_WORD_BITS * len(words):
         raise StarvedError
-    bit = (np.int64(words[place[_BIT] // SETUP_WORD_BITS]) >> (place[_BIT] % SETUP_WORD_BITS)) & 1
-    place[_BIT] += 1
+    bit = (np.int64(words[place.bit // SETUP_WORD_BITS]) >> (place.bit % SETUP_WORD_BITS)) & 1
+    place.bit += 1
     return bit
 
 
 @njit(cache=True)
-def _number(words, place, bits):
+def _number(words: Words32, place: _Place, bits: int) -> Int:
     """The next few bits, the lowest first."""
-    value = np.int64(0)
+    value: Int = np.int64(0)
     for index in range(bits):
-        value |= _take(words, place) << index
+        value = value | _take(words, place) << index
     return value
 
 
 @njit(cache=True)
-def _give(bit, place, out):
+def _give(bit: Int, place: _Place, out: Words32) -> None:
     """Another bit of the set-up words."""
-    place[_WORD] |= bit << place[_WORD_BITS]
-    place[_WORD_BITS] += 1
-    if place[_WORD_BITS] == SETUP_WORD_BITS:
-        out[place[_COUNT]] = place[_WORD]
-        place[_COUNT] += 1
-        place[_WORD] = place[_WORD_BITS] = 0
+    place.word = int(place.word | bit << place.word_bits)
+    place.word_bits += 1
+    if place.word_bits == SETUP_WORD_BITS:
+        out[place.count] = place.word
+        place.count += 1
+        place.word = place.word_bits = 0
 
 
 @njit(cache=True)
-def _field(words, place, out, length, below, top, fill):
+def _field(words: Words32, place: _Place, out: Words32, length: int, below: int, top: int, fill: int) -> None:
     """Zeros below bit ``below``, bits from the line up to bit ``top``, then the fill; 2: the last of them."""
-    last = np.int64(fill == _ONE)
+    last: Int = np.int64(fill == _ONE)
     for position in range(length):
-        bit = last
+        bit: Int = last
         if position < below:
             bit = np.int64(0)
         elif position <= top:
@@ -82,50 +117,50 @@ def _field(words, place, out, length, below, top, fill):
 
 
 @njit(cache=True)
-def _pad(place, out):
+def _pad(place: _Place, out: Words32) -> None:
     """Zeros up to the end of a set-up word."""
-    while place[_WORD_BITS] > 0:
+    while place.word_bits > 0:
         _give(np.int64(0), place, out)
 
 
 @njit(cache=True)
-def _changes(words, place, widths, width_bits, address_bits):
+def _changes(words: Words32, place: _Place, widths: Ints, layout: _Layout) -> None:
     """Widths that are new for this packet and those behind it; no more than there are addresses."""
-    for _ in range(1 << address_bits):
+    for _ in range(1 << layout.address_bits):
         if not _take(words, place):
             return
-        address = _number(words, place, address_bits)
-        widths[address] = _number(words, place, width_bits)
+        address = _number(words, place, layout.address_bits)
+        widths[address] = _number(words, place, layout.width_bits)
 
 
 @njit(cache=True)
-def _packet(words, place, widths, orders, fields, second_at, kinds, built, word_width, sizes, out):
+def _packet(words: Words32, place: _Place, widths: Ints, orders: Ints, layout: _Layout, out: Words32) -> bool:
     """One packet, from its start bit on; False if only zeros are left."""
     started = False
     while not started:
-        if place[_BIT] == SETUP_WORD_BITS * len(words):
+        if place.bit == SETUP_WORD_BITS * len(words):
             return False
         started = _take(words, place) == 1
-    _changes(words, place, widths, sizes[0], sizes[1])
+    _changes(words, place, widths, layout)
     flags = _number(words, place, NUM_RAW)
     for index in range(NUM_RAW):
         _give((flags >> index) & 1, place, out)
     same = _take(words, place)
-    for index in range(2 * len(kinds)):
+    for index in range(2 * len(layout.kinds)):
         if not same:
             orders[index] = _take(words, place)
         _give(orders[index], place, out)
-    for index in range(len(fields) if flags & 1 else second_at):
-        if index == second_at:
+    for index in range(len(layout.fields) if flags & 1 else layout.second_at):
+        if index == layout.second_at:
             _pad(place, out)
-        length, address, fill = fields[index]
+        length, address, fill = layout.fields[index]
         _field(words, place, out, length, 0, widths[address], fill)
     _pad(place, out)
-    for channel in range(len(kinds)):
-        order = min(orders[2 * channel] + 2 * orders[2 * channel + 1], QUADRATIC, built[channel])
+    for channel in range(len(layout.kinds)):
+        order = min(orders[2 * channel] + 2 * orders[2 * channel + 1], QUADRATIC, layout.built[channel])
         for difference in range(DIFFERENCES_OF_ORDER[order]):
-            address = KIND_WIDTHS * kinds[channel] + 2 * difference
-            _field(words, place, out, word_width, widths[address], widths[address + 1], _SIGN)
+            address = KIND_WIDTHS * layout.kinds[channel] + 2 * difference
+            _field(words, place, out, layout.word_width, widths[address], widths[address + 1], _SIGN)
             _pad(place, out)
     return True
 
@@ -153,18 +188,19 @@ class WordUnpacker:
 
     def __init__(self, formats: Formats) -> None:
         self.check(formats)
-        self._fields = np.array(
-            [(bits, address, FILLS.index(fill)) for _, bits, address, fill in packed_fields(formats)]
+        fields = packed_fields(formats)
+        self._layout = _Layout(
+            np.array([(bits, address, FILLS.index(fill)) for _, bits, address, fill in fields]),
+            second_at(formats),
+            np.array(channel_kinds(formats)),
+            np.array(formats.channel_max_order),
+            formats.word_width,
+            size_of("width_bits", formats),
+            size_of("width_address_bits", formats),
         )
-        self._second_at = second_at(formats)
-        self._kinds = np.array(channel_kinds(formats))
-        self._built = np.array(formats.channel_max_order)
-        self._word_width = formats.word_width
-        self._sizes = (size_of("width_bits", formats), size_of("width_address_bits", formats))
         sections = formats.section_beats("edge") + formats.section_beats("second")
-        self.most_words = sections + DIFFERENCES_OF_ORDER[QUADRATIC] * formats.difference_words * len(
-            self._kinds
-        )
+        differences = DIFFERENCES_OF_ORDER[QUADRATIC] * formats.carried_channels
+        self.most_words = sections + differences * formats.difference_words
         self.reset()
 
     @staticmethod
@@ -177,11 +213,12 @@ class WordUnpacker:
 
     def reset(self) -> None:
         """Forget widths, orders and a begun packet."""
-        self._widths = np.zeros(1 << self._sizes[1], np.int64)
-        self._orders = np.zeros(2 * len(self._kinds), np.int64)
+        self._widths = np.zeros(1 << self._layout.address_bits, np.int64)
+        self._orders = np.zeros(2 * len(self._layout.kinds), np.int64)
         self._rest = np.zeros(0, np.uint32)
         self._skip = 0
-        self.within, self.begun = False, []
+        self.within = False
+        self.begun: list[int] = []
 
     @property
     def widths(self) -> list[int]:
@@ -204,29 +241,26 @@ class WordUnpacker:
         """
         before = SETUP_WORD_BITS * len(self._rest)
         words = np.concatenate([self._rest, np.asarray(words, np.uint32)])
-        place = np.zeros(4, np.int64)
-        place[_BIT] = self._skip
+        place = np.zeros(1, _PLACE)[0]
+        place["bit"] = self._skip
         out = np.zeros(self.most_words, np.uint32)
         self.within, self.begun = False, []
         while True:
-            start = place[_BIT]
+            start = int(place["bit"])
             widths, orders = self._widths.copy(), self._orders.copy()
             try:
-                more = _packet(
-                    words, place, widths, orders, self._fields, self._second_at, self._kinds, self._built,
-                    self._word_width, self._sizes, out,
-                )  # fmt: skip
+                more = _packet(words, place, widths, orders, self._layout, out)
             except StarvedError:
-                self.within, self.begun = True, out[: place[_COUNT]].tolist()
-                place[_BIT] = start
+                self.within, self.begun = True, out[: place["count"]].tolist()
+                place["bit"] = start
                 break
             if not more:
                 break
             self._widths, self._orders = widths, orders
-            yield int(start) - before, int(place[_BIT]) - before, out[: place[_COUNT]].copy()
-            place[_COUNT] = 0
-        done = place[_BIT] // SETUP_WORD_BITS
-        self._rest, self._skip = words[done:], int(place[_BIT] % SETUP_WORD_BITS)
+            yield start - before, int(place["bit"]) - before, out[: place["count"]].copy()
+            place["count"] = 0
+        done, self._skip = divmod(int(place["bit"]), SETUP_WORD_BITS)
+        self._rest = words[done:]
 
     def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
         """

@@ -82,7 +82,7 @@ def kept_pixels(x: np.ndarray, y: np.ndarray, depth: np.ndarray, stored: np.ndar
     QuadshadeError
       A negative coordinate or depth.
     """
-    columns = [np.ascontiguousarray(part, dtype=np.int64) for part in (x, y, depth)]
-    if any(len(part) and part.min() < 0 for part in columns):
+    x, y, depth = (np.ascontiguousarray(part, dtype=np.int64) for part in (x, y, depth))
+    if any(len(part) and part.min() < 0 for part in (x, y, depth)):
         raise QuadshadeError("a pixel has a negative coordinate or depth", "the pixel stream is unsigned")
-    return _test_all(*columns, stored)
+    return _test_all(x, y, depth, stored)

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from quadshade.golden.common.crc32 import crc_of
 
 
-class Area(NamedTuple):
+@dataclass(frozen=True)
+class Area:
     """
     What is read: ``count`` pixels from (x, y) on, ``width`` to a scanline.
 

@@ -103,6 +103,8 @@ class Screen:
         height, width = self.depth.shape
         if self.depth_bits is None:
             kept = (x < width) & (y < height)
+        elif depth is None:
+            raise QuadshadeError("pixels without depth for a screen with a z-buffer", "give their depth")
         else:
             kept = kept_pixels(x, y, depth, self.depth)
         for row, column, pixel in zip(y[kept].tolist(), x[kept].tolist(), value[kept].tolist(), strict=True):
@@ -113,6 +115,8 @@ class Screen:
         """(height, width, bytes) uint8: a plane of ``protocol.PLANES`` as the link sends it."""
         if plane == COLOUR:
             return self.colour
+        if self.depth_bits is None:
+            raise QuadshadeError("the screen has no depth", "read plane 0 only")
         height, width = self.depth.shape
         # An empty place has no depth; it reads as the farthest.
         depth = np.minimum(self.depth, (1 << self.depth_bits) - 1)

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
+from quadshade.contract.arrays import Int, Ints
 from quadshade.contract.formats import (
     COEFFICIENT_FRAC_BITS,
     FACTOR_BITS,
@@ -49,11 +51,23 @@ def draw_scalar(
     ]
 
 
+class _Given(NamedTuple):
+    """The shade unit's state and formats, as the kernel needs them: see :class:`ShadeState`."""
+
+    ambient: Ints
+    coefficients: Ints
+    tables: Ints
+    linear: int
+    gated: int
+    lane_value_bits: int
+    value_bits: int
+
+
 @numba.njit(cache=True)
-def _power(value, table, value_bits_in):
+def _power(value: Int, table: Ints, lane_value_bits: int) -> Int:
     """The curve at a lane's value, as ``power_table.power_table``."""
-    fraction_bits = value_bits_in - POWER_MANTISSA_BITS - 1
-    far = (np.int64(1) << value_bits_in) - 1 - value
+    fraction_bits = lane_value_bits - POWER_MANTISSA_BITS - 1
+    far = (np.int64(1) << lane_value_bits) - 1 - value
     octave = 0
     while far >> octave >= 2 << POWER_MANTISSA_BITS:
         octave += 1
@@ -65,8 +79,9 @@ def _power(value, table, value_bits_in):
 
 
 @numba.njit(cache=True)
-def _shade(value, ambient, coefficients, tables, linear, gated, value_bits_in, value_bits):
+def _shade(value: np.ndarray, given: _Given) -> np.ndarray:
     """(n, 3) int32 colours of (n, channels) values, as ``shade.shade``."""
+    ambient, coefficients, tables, linear, gated, lane_value_bits, value_bits = given
     channels, specular = len(coefficients), len(tables)
     diffuse = channels - specular
     largest = (1 << value_bits) - 1
@@ -76,11 +91,11 @@ def _shade(value, ambient, coefficients, tables, linear, gated, value_bits_in, v
         level[:] = ambient
         for channel in range(channels):
             part = np.int64(value[index, channel])
-            factor = part << (FACTOR_BITS - value_bits_in)
+            factor: Int = part << (FACTOR_BITS - lane_value_bits)
             number = channel - diffuse
             if number >= 0:
                 if not linear >> number & 1:
-                    power = _power(part, tables[number], value_bits_in)
+                    power = _power(part, tables[number], lane_value_bits)
                     factor = power << (FACTOR_BITS - POWER_BITS)
                 if gated >> number & 1 and number < diffuse and value[index, number] == 0:
                     factor = np.int64(0)
@@ -108,8 +123,7 @@ def shade_fast(value: np.ndarray, state: ShadeState, formats: Formats) -> np.nda
     """
     tables = np.zeros((formats.num_specular, table_entries(formats)), np.int64)
     tables[:, : state.tables.shape[1]] = state.tables
-    return _shade(
-        value,
+    given = _Given(
         state.ambient,
         state.coefficients,
         tables,
@@ -118,6 +132,7 @@ def shade_fast(value: np.ndarray, state: ShadeState, formats: Formats) -> np.nda
         formats.lane_value_bits,
         formats.value_bits,
     )
+    return _shade(value, given)
 
 
 def draw(

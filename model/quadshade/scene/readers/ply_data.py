@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -201,7 +201,7 @@ def _length(element: Element, index: int, data: bytes, place: int, kind: np.dtyp
 
 def _row_type(element: Element, lengths: dict[str, int], order: ByteOrder) -> np.dtype:
     """The type of rows whose lists have these lengths."""
-    fields: list[tuple] = []
+    fields: list[tuple[Any, ...]] = []
     for prop in element.properties:
         kind = prop.dtype.newbyteorder(order)
         if prop.length is None:

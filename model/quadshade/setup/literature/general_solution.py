@@ -3,18 +3,28 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
+import numpy.typing as npt
 from numba import njit
+
+from quadshade.contract.arrays import Floats
+
+Six: TypeAlias = tuple[float, float, float, float, float, float]
+"""T0 to T5, or samples I1, I2, I3, I12, I13, I23."""
+Legs: TypeAlias = tuple[float, float, float, float]
+"""X and Y of the second and of the third vertex, counted from the first."""
 
 
 @njit(cache=True, error_model="numpy")
-def _leg(legs, corner, axis):
+def _leg(legs: Legs, corner: int, axis: int) -> float:
     """x or y of a corner counted from the first; halves of their sums are exact, so nothing is lost here."""
     return legs[2 * corner - 2 + axis] if corner else legs[0] - legs[0]
 
 
 @njit(cache=True, error_model="numpy")
-def general(samples, legs, rows):
+def general(samples: Six, legs: Legs, rows: Floats) -> Six:
     """
     T0 to T5 from six equations in six unknowns (Barrera et al., equations 8-11), with partial pivoting.
 
@@ -46,7 +56,9 @@ def general(samples, legs, rows):
     return rows[0, 6], rows[1, 6], rows[2, 6], rows[3, 6], rows[4, 6], rows[5, 6]
 
 
-def general_in(dtype: type, legs: np.ndarray, samples: np.ndarray) -> np.ndarray:
+def general_in(
+    dtype: type[np.floating[Any]], legs: np.ndarray, samples: np.ndarray
+) -> npt.NDArray[np.floating[Any]]:
     """
     The general solution in a type of floating point.
 

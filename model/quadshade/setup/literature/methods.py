@@ -23,23 +23,28 @@ None of the others divides by anything but the doubled area. The hardware's word
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
+from typing import Any, TypeAlias
 
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Floats
 from quadshade.errors import QuadshadeError
-from quadshade.setup.literature.general_solution import general
+from quadshade.setup.literature.general_solution import Legs, Six, general
+
+Vector: TypeAlias = Floats | tuple[float, float, float]
 
 
 @njit(cache=True, error_model="numpy")
-def _dot(one, first, two, second):
+def _dot(one: Vector, first: int, two: Vector, second: int) -> float:
     """Scalar product of two vectors, each three entries of an array."""
     return one[first] * two[second] + one[first + 1] * two[second + 1] + one[first + 2] * two[second + 2]
 
 
 @njit(cache=True, error_model="numpy")
-def _middle(normals, first, second, light):
+def _middle(normals: Floats, first: int, second: int, light: Vector) -> float:
     """L . N with the normal in the middle of an edge (Barrera et al., equation 4)."""
     x = normals[first] + normals[second]
     y = normals[first + 1] + normals[second + 1]
@@ -49,7 +54,7 @@ def _middle(normals, first, second, light):
 
 
 @njit(cache=True, error_model="numpy")
-def _six_samples(normals, light):
+def _six_samples(normals: Floats, light: Vector) -> Six:
     """I1, I2, I3, I12, I13, I23 of nine numbers, three normals (Barrera et al., equations 1-6)."""
     return (
         _dot(light, 0, normals, 0),
@@ -62,14 +67,14 @@ def _six_samples(normals, light):
 
 
 @njit(cache=True, error_model="numpy")
-def _legs(vertices):
+def _legs(vertices: Floats) -> Legs:
     """Second and third vertex of six numbers, counted from the first."""
     x, y = vertices[0], vertices[1]
     return vertices[2] - x, vertices[3] - y, vertices[4] - x, vertices[5] - y
 
 
 @njit(cache=True, error_model="numpy")
-def _abbas(samples, legs):
+def _abbas(samples: Six, legs: Legs) -> Six:
     """T0 to T5 (Abbas et al., section 3)."""
     i1, i2, i3, i12, i13, i23 = samples
     x2, y2, x3, y3 = legs
@@ -99,7 +104,7 @@ def _abbas(samples, legs):
 
 
 @njit(cache=True, error_model="numpy")
-def _unit_triangle(samples):
+def _unit_triangle(samples: Six) -> Six:
     """2a to 2e, and f (Barrera et al., equation 16; doubled so that nothing need be halved later)."""
     i1, i2, i3, i12, i13, i23 = samples
     a = 4 * (i1 + i2 - 2 * i12)
@@ -109,7 +114,7 @@ def _unit_triangle(samples):
 
 
 @njit(cache=True, error_model="numpy")
-def _x_shading(i1, i2, i3, factor12, factor13, factor23):
+def _x_shading(i1: float, i2: float, i3: float, factor12: float, factor13: float, factor23: float) -> Six:
     """2a to 2e, and f, from the vertices' samples and Ni . Nj - 1 (Barrera et al., equation 32)."""
     a = (i1 + i2) * factor12
     b = (i1 + i3) * factor13
@@ -118,7 +123,7 @@ def _x_shading(i1, i2, i3, factor12, factor13, factor23):
 
 
 @njit(cache=True, error_model="numpy")
-def _slopes(legs, half):
+def _slopes(legs: Legs, half: float) -> Legs:
     """Half of alpha_u, beta_u, alpha_v, beta_v (Barrera et al., 20 and 21); ``half`` in their arithmetic."""
     x1, y1, x2, y2 = legs
     omega = half / (x1 * y2 - x2 * y1)
@@ -126,7 +131,7 @@ def _slopes(legs, half):
 
 
 @njit(cache=True, error_model="numpy")
-def _on_screen(unit, slopes):
+def _on_screen(unit: Six, slopes: Legs) -> Six:
     """
     T0 to T5 of 2a to 2e, f and halved slopes: the powers of two cancel, exactly.
 
@@ -148,12 +153,12 @@ def _on_screen(unit, slopes):
 
 
 @njit(cache=True, error_model="numpy")
-def _put(out, row, terms):
+def _put(out: Floats, row: int, terms: Six) -> None:
     out[row, 0], out[row, 1], out[row, 2], out[row, 3], out[row, 4], out[row, 5] = terms
 
 
 @njit(cache=True, error_model="numpy")
-def _run_abbas(vertices, normals, factors, light, out):
+def _run_abbas(vertices: Floats, normals: Floats, factors: Floats, light: Floats, out: Floats) -> None:
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
         legs = _legs(vertices[row])
@@ -161,7 +166,7 @@ def _run_abbas(vertices, normals, factors, light, out):
 
 
 @njit(cache=True, error_model="numpy")
-def _run_general(vertices, normals, factors, light, out):
+def _run_general(vertices: Floats, normals: Floats, factors: Floats, light: Floats, out: Floats) -> None:
     towards = light[0], light[1], light[2]
     rows = np.empty((6, 7))
     for row in range(len(out)):
@@ -170,7 +175,9 @@ def _run_general(vertices, normals, factors, light, out):
 
 
 @njit(cache=True, error_model="numpy")
-def _run_unit_triangle(vertices, normals, factors, light, out):
+def _run_unit_triangle(
+    vertices: Floats, normals: Floats, factors: Floats, light: Floats, out: Floats
+) -> None:
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
         slopes = _slopes(_legs(vertices[row]), 0.5)
@@ -178,7 +185,7 @@ def _run_unit_triangle(vertices, normals, factors, light, out):
 
 
 @njit(cache=True, error_model="numpy")
-def _run_x_shading(vertices, normals, factors, light, out):
+def _run_x_shading(vertices: Floats, normals: Floats, factors: Floats, light: Floats, out: Floats) -> None:
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
         slopes = _slopes(_legs(vertices[row]), 0.5)
@@ -190,7 +197,9 @@ def _run_x_shading(vertices, normals, factors, light, out):
 
 
 @njit(cache=True, error_model="numpy")
-def _run_x_shading_stored(vertices, normals, factors, light, out):
+def _run_x_shading_stored(
+    vertices: Floats, normals: Floats, factors: Floats, light: Floats, out: Floats
+) -> None:
     towards = light[0], light[1], light[2]
     for row in range(len(out)):
         slopes = _slopes(_legs(vertices[row]), 0.5)
@@ -217,7 +226,7 @@ FITS = {"abbas": 0, "general": 1, "unit_triangle": 2}
 
 
 @njit(cache=True, error_model="numpy")
-def _fit(vertices, samples, which, rows, out):
+def _fit(vertices: Floats, samples: Floats, which: int, rows: Floats, out: Floats) -> None:
     for row in range(len(out)):
         s = samples[row]
         six = s[0], s[1], s[2], s[3], s[4], s[5]
@@ -332,7 +341,7 @@ def fit(method: str, vertices: np.ndarray, samples: np.ndarray) -> np.ndarray:
     return out
 
 
-def terms_in(method: str, legs: tuple, samples: tuple) -> tuple:
+def terms_in(method: str, legs: tuple[Any, ...], samples: tuple[Any, ...]) -> tuple[Any, ...]:
     """
     The formulas themselves, in whatever arithmetic their arguments bring with them.
 
@@ -358,6 +367,6 @@ def terms_in(method: str, legs: tuple, samples: tuple) -> tuple:
     return _plain(_on_screen)(unit, slopes)
 
 
-def _plain(function):
+def _plain(function: Callable[..., Any]) -> Callable[..., Any]:
     """A compiled function's Python source, for other numbers than float64."""
     return getattr(function, "py_func", function)

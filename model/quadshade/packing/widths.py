@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Widths of the fields of packed packets: what packets need of them, and which packet changes which.
+
+For each width a shortest path over the packets is found, past which it may stay wider than they need or change
+at the price of an address and a value.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from quadshade.contract.arrays import Ints
+from quadshade.contract.formats import Formats
+from quadshade.contract.packed_format import size_of
+
+
+@njit(cache=True)
+def _bits_sent(value: int, below: int, is_top: bool) -> int:
+    return max(value + 1 - below, 0) if is_top else -value
+
+
+@njit(cache=True)
+def _hold_one(
+    need: Ints, count: Ints, below: Ints, is_top: bool, change: float, states: int, out: Ints
+) -> None:
+    """The cheapest values of one width over the packets (``out``): at most ``need``, for a top at least."""
+    cost, before = np.zeros(states), np.zeros(states)
+    changed = np.zeros((len(need), states), np.bool_)
+    best = np.zeros(len(need), np.int64)
+    known = False
+    for p in range(len(need)):
+        if count[p] == 0:
+            best[p] = -1
+            continue
+        before[:] = cost
+        best[p] = np.argmin(before)
+        for value in range(states):
+            if not known or before[best[p]] + change < before[value]:
+                changed[p, value] = True
+                cost[value] = before[best[p]] + change
+            if value < need[p] if is_top else value > need[p]:
+                cost[value] = np.inf
+            else:
+                cost[value] += count[p] * _bits_sent(value, below[p], is_top)
+        known = True
+    value = int(np.argmin(cost))
+    for p in range(len(need) - 1, -1, -1):
+        out[p] = value
+        if best[p] >= 0 and changed[p, value]:
+            value = best[p]
+
+
+def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats: Formats) -> np.ndarray:
+    """
+    Values of widths over the packets, each held as long as that takes the fewest bits.
+
+    Parameters
+    ----------
+    need : (n, k) int64
+      What each packet needs of each of k widths: of a top at least this, of bits below at most this.
+    count : (n, k) int64
+      Fields that each packet sends with it; where 0 anything will do.
+    below : (n, k) int64 or None
+      For tops the bits below, which are not sent.
+    formats : Formats
+
+    Returns
+    -------
+    (n, k) int64
+    """
+    change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
+    out = np.zeros_like(need)
+    for index in range(need.shape[1]):
+        asked = need[count[:, index] > 0, index]
+        if not len(asked):
+            continue
+        # No other value is ever the cheapest.
+        lowest, values = asked.min(), 1 + asked.max() - asked.min()
+        column = np.zeros(len(need), np.int64)
+        _hold_one(
+            need[:, index] - lowest,
+            np.ascontiguousarray(count[:, index]),
+            column if below is None else below[:, index] - lowest,
+            below is not None,
+            float(change),
+            values,
+            column,
+        )
+        out[:, index] = column + lowest
+    return out
+
+
+class Needs:
+    """
+    What packets need of each width, address by address.
+
+    Attributes
+    ----------
+    need, count, below : (n, addresses) int64
+      As for :func:`hold`.
+    is_below : (addresses,) bool
+      Addresses of numbers of bits that are not sent.
+    """
+
+    def __init__(self, size: int, formats: Formats) -> None:
+        addresses = 1 << size_of("width_address_bits", formats)
+        # Address by address in memory.
+        self.need, self.count, self.below = (np.zeros((addresses, size), np.int64).T for _ in range(3))
+        self.is_below = np.zeros(addresses, bool)
+
+    def top(self, address: int, top: np.ndarray, sent: np.ndarray) -> None:
+        """A field that needs its bits up to ``top``, in the packets that send it."""
+        self.need[:, address] = np.maximum(self.need[:, address], np.where(sent, top, 0))
+        self.count[:, address] += sent
+
+    def difference(self, address: int, shifts: np.ndarray, top: np.ndarray, sent: np.ndarray) -> None:
+        """A difference of a channel, without its bits below ``shifts``."""
+        self.top(address + 1, top, sent)
+        self.is_below[address] = True
+        self.below[:, address + 1] = self.need[:, address] = shifts
+        self.count[:, address] += sent
+
+    def widths(self, formats: Formats) -> np.ndarray:
+        """(n, addresses) int64: the widths of every packet. Bits below are held already."""
+        widths, tops = self.need.copy(order="C"), ~self.is_below
+        widths[:, tops] = hold(self.need[:, tops], self.count[:, tops], self.below[:, tops], formats)
+        return widths
