@@ -26,8 +26,8 @@ def record_dtype(columns: type) -> np.dtype[np.void]:
     """
     The structured dtype of a class that names columns.
 
-    Compiled functions read and write a record's columns as attributes, so the class also serves as the type of
-    one record.
+    Compiled functions read and write a record's columns as attributes, so the class also serves as the type
+    of one record.
 
     Parameters
     ----------

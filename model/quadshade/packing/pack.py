@@ -78,8 +78,9 @@ class _Packets(NamedTuple):
     """
     What packets are written from, an entry a packet.
 
-    ``flags`` are the bits of :data:`RAW_FIELDS`; ``fields`` (n, k) the fields from ``y`` on, of which the first
-    ``num_fields`` are sent; ``widths`` (n, a) the width at each address, ``used`` where a packet needs it.
+    ``flags`` are the bits of :data:`RAW_FIELDS`; ``fields`` (n, k) the fields from ``y`` on, of which the
+    first ``num_fields`` are sent; ``widths`` (n, a) the width at each address, ``used`` where a packet needs
+    it.
     """
 
     flags: Ints

@@ -2,8 +2,8 @@
 """
 Widths of the fields of packed packets: what packets need of them, and which packet changes which.
 
-For each width a shortest path over the packets is found, past which it may stay wider than they need or change
-at the price of an address and a value.
+For each width a shortest path over the packets is found, past which it may stay wider than they need or
+change at the price of an address and a value.
 """
 
 from __future__ import annotations

@@ -18,8 +18,9 @@ from numba import njit
 from quadshade.contract.arrays import Floats, Ints, Records
 from quadshade.errors import QuadshadeError
 from quadshade.setup.colour_words import Colours, colour_words
-from quadshade.setup.edges import MAX_PRIMITIVES, Cut, Sides, Window, cut_one, empty_cut, empty_sides
+from quadshade.setup.edges import MAX_PRIMITIVES, Cut, cut_one, empty_cut
 from quadshade.setup.quantise import reach, region
+from quadshade.setup.sides import Sides, Window, empty_sides
 
 BARELY = 1.0 + 2.0**-20
 """A bound is computed a little too large; a constant channel without fraction bits is half a level off."""

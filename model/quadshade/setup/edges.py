@@ -23,6 +23,22 @@ import numpy as np
 from numba import njit
 
 from quadshade.contract.arrays import Ints, Records, record_dtype
+from quadshade.setup.sides import (
+    MAX_RUNS,
+    Line,
+    Sides,
+    Window,
+    cut_sides,
+    empty_sides,
+    first_scanline,
+    last_covered,
+    line_column,
+    line_of,
+    next_covered,
+    run_at,
+    run_line,
+    sorted_corners,
+)
 
 
 class Head:
@@ -52,26 +68,8 @@ class EdgeState:
     height: int
 
 
-class Run:
-    """
-    Columns of a part of a side: the scanlines from ``start`` to before ``end``, along one edge.
+HEAD, EDGE_STATE = record_dtype(Head), record_dtype(EdgeState)
 
-    ``m`` is that at ``start``; ``top`` and ``bottom`` are the edge's two vertices (-1: the border).
-    """
-
-    start: int
-    end: int
-    m: int
-    dx: int
-    dy: int
-    top: int
-    bottom: int
-
-
-HEAD, EDGE_STATE, RUN = record_dtype(Head), record_dtype(EdgeState), record_dtype(Run)
-
-MAX_RUNS = 6
-"""A side is at most two edges, each at most border, edge, border."""
 MAX_PRIMITIVES = 2 * MAX_RUNS
 """Each primitive but the last uses up at least one run of a side."""
 
@@ -91,170 +89,21 @@ class Cut(NamedTuple):
     edges: Records
 
 
-class Window(NamedTuple):
-    """The part of the screen that is cut to: its size in pixels, the sub-pixel bits of the vertices."""
-
-    width: int
-    height: int
-    bits: int
-
-
-class Sides(NamedTuple):
-    """Room for the runs of both sides of a triangle, records of :class:`Run`."""
-
-    left: Records
-    right: Records
-
-
-class _Line(NamedTuple):
-    """An edge from scanline ``y`` on: ``m`` there, and its extent."""
-
-    m: int
-    dx: int
-    dy: int
-    y: int
-
-
 def empty_cut(size: int) -> Cut:
     """Room for primitives."""
     return Cut(np.zeros(size, HEAD), np.zeros((size, 3), EDGE_STATE))
 
 
-def empty_sides() -> Sides:
-    """Room for the sides of one triangle."""
-    return Sides(np.zeros(MAX_RUNS, RUN), np.zeros(MAX_RUNS, RUN))
-
-
 @njit(cache=True)
-def _first_scanline(y: int, bits: int) -> int:
-    """First scanline whose centre is at or below y: ceil(y / S - 1/2), S = 2**bits."""
-    return -(((1 << bits) - 2 * y) >> (bits + 1))
-
-
-@njit(cache=True)
-def _line(corners: Ints, top: int, bottom: int, y: int, bits: int) -> _Line:
-    """The edge between two vertices from scanline y on."""
-    xa, ya = corners[top, 0], corners[top, 1]
-    dx, dy = corners[bottom, 0] - xa, corners[bottom, 1] - ya
-    # Relative to the edge's own top vertex, everything fits; the shift floors.
-    down = ((2 * y + 1) << bits) - 2 * ya
-    return _Line((2 * xa * dy + down * dx + (dy << bits) - 1) >> (bits + 1), dx, dy, y)
-
-
-@njit(cache=True)
-def _line_column(line: _Line, y: int) -> int:
-    """Column of a line from :func:`_line` at scanline y."""
-    m, dx, dy, since = line
-    return (m + (y - since) * dx) // dy
-
-
-@njit(cache=True)
-def _between(long: _Line, broken: _Line, area: int, y: int) -> bool:
+def _between(long: Line, broken: Line, area: int, y: int) -> bool:
     """Whether scanline y has a pixel between a triangle's long edge and one of the other two."""
     if area > 0:
-        return _line_column(long, y) < _line_column(broken, y)
-    return _line_column(broken, y) < _line_column(long, y)
+        return line_column(long, y) < line_column(broken, y)
+    return line_column(broken, y) < line_column(long, y)
 
 
 @njit(cache=True)
-def _clamp(value: int, low: int, high: int) -> int:
-    return min(max(value, low), high)
-
-
-@njit(cache=True)
-def _push(runs: Records, count: int, end: int, line: _Line, top: int, bottom: int) -> int:
-    """Append the run of a line up to ``end``; an empty one is dropped, a border that goes on is extended."""
-    if line.y >= end:
-        return count
-    if count and top < 0:
-        last = runs[count - 1]
-        if last.top < 0 and last.m == line.m:
-            last.end = end
-            return count
-    run = runs[count]
-    run.start, run.end, run.m, run.dx, run.dy = line.y, end, line.m, line.dx, line.dy
-    run.top, run.bottom = top, bottom
-    return count + 1
-
-
-@njit(cache=True)
-def _push_edge(runs: Records, count: int, end: int, line: _Line, top: int, bottom: int, width: int) -> int:
-    """Append a line up to ``end``, replaced by the border where its column leaves 0 .. width."""
-    m, dx, dy, start = line
-    if start >= end:
-        return count
-    limit = (width + 1) * dy
-    rows = end - start
-    before, after = 0, width
-    if dx > 0:
-        enter = _clamp(-(m // dx), 0, rows)
-        leave = _clamp(-((m - limit) // dx), 0, rows)
-    elif dx < 0:
-        before, after = width, 0
-        enter = _clamp((m - limit) // -dx + 1, 0, rows)
-        leave = _clamp(m // -dx + 1, 0, rows)
-    else:
-        enter = rows if m < 0 else 0
-        leave = 0 if m >= limit else rows
-    count = _push(runs, count, start + enter, _Line(before, 0, 1, start), -1, -1)
-    within = _Line(m + enter * dx, dx, dy, start + enter)
-    count = _push(runs, count, start + leave, within, top, bottom)
-    return _push(runs, count, end, _Line(after, 0, 1, start + max(leave, enter)), -1, -1)
-
-
-@njit(cache=True)
-def _run_line(run: Run) -> _Line:
-    return _Line(run.m, run.dx, run.dy, run.start)
-
-
-@njit(cache=True)
-def _column(run: Run, y: int) -> int:
-    return _line_column(_run_line(run), y)
-
-
-@njit(cache=True)
-def _run_at(runs: Records, y: int) -> int:
-    index = 0
-    while runs[index].end <= y:
-        index += 1
-    return index
-
-
-@njit(cache=True)
-def _next_covered(sides: Sides, y: int, end: int, width: int) -> int:
-    """First scanline from y on that has a pixel, or end."""
-    while y < end:
-        a, b = sides.left[_run_at(sides.left, y)], sides.right[_run_at(sides.right, y)]
-        if _column(a, y) < _column(b, y):
-            return y
-        # Whole runs beyond the border are skipped, so that a tall triangle beside the screen costs nothing.
-        if a.top < 0 and a.m == width:
-            y = a.end
-        elif b.top < 0 and b.m == 0:
-            y = b.end
-        else:
-            y += 1
-    return end
-
-
-@njit(cache=True)
-def _last_covered(sides: Sides, first: int, y: int, width: int) -> int:
-    """Last scanline from y upwards that has a pixel, or first - 1."""
-    while y >= first:
-        a, b = sides.left[_run_at(sides.left, y)], sides.right[_run_at(sides.right, y)]
-        if _column(a, y) < _column(b, y):
-            return y
-        if a.top < 0 and a.m == width:
-            y = a.start - 1
-        elif b.top < 0 and b.m == 0:
-            y = b.start - 1
-        else:
-            y -= 1
-    return first - 1
-
-
-@njit(cache=True)
-def _set_state(state: EdgeState, line: _Line, y: int, rows: int, mirror: bool) -> None:
+def _set_state(state: EdgeState, line: Line, y: int, rows: int, mirror: bool) -> None:
     """The DDA of a line from scanline y on, in u. Mirrored: -floor(m / dy) = floor((dy - 1 - m) / dy)."""
     m, dx, dy, since = line
     m += (y - since) * dx
@@ -267,55 +116,6 @@ def _set_state(state: EdgeState, line: _Line, y: int, rows: int, mirror: bool) -
     step = dx // dy
     state.column, state.remainder = column, m - column * dy
     state.step, state.increment, state.height = step, dx - step * dy, dy
-
-
-@njit(cache=True)
-def _sorted(corners: Ints) -> tuple[int, int, int, int]:
-    """Indices of the top, middle and bottom vertex; where the middle one is: > 0 right of the long edge."""
-    top, middle, bottom = 0, 1, 2
-    if corners[top, 1] > corners[middle, 1]:
-        top, middle = middle, top
-    if corners[middle, 1] > corners[bottom, 1]:
-        middle, bottom = bottom, middle
-    if corners[top, 1] > corners[middle, 1]:
-        top, middle = middle, top
-    area = (corners[middle, 0] - corners[top, 0]) * (corners[bottom, 1] - corners[top, 1]) - (
-        corners[bottom, 0] - corners[top, 0]
-    ) * (corners[middle, 1] - corners[top, 1])
-    return top, middle, bottom, area
-
-
-@njit(cache=True)
-def _sides(corners: Ints, window: Window, sides: Sides) -> tuple[int, int, int, int]:
-    """
-    Write both sides of a triangle on the screen.
-
-    Returns
-    -------
-    first, end : int
-      Its scanlines are those from ``first`` to before ``end``; there are none where ``first >= end``.
-    left_count, right_count : int
-      Runs of the sides.
-    """
-    width, height, bits = window
-    top, middle, bottom, area = _sorted(corners)
-    first = max(_first_scanline(corners[top, 1], bits), 0)
-    end = min(_first_scanline(corners[bottom, 1], bits), height)
-    if first >= end or area == 0:
-        return 0, 0, 0, 0
-    knee = _clamp(_first_scanline(corners[middle, 1], bits), first, end)
-    long, broken = (sides.left, sides.right) if area > 0 else (sides.right, sides.left)
-    broken_count = 0
-    long_count = _push_edge(long, 0, end, _line(corners, top, bottom, first, bits), top, bottom, width)
-    if first < knee:
-        upper = _line(corners, top, middle, first, bits)
-        broken_count = _push_edge(broken, 0, knee, upper, top, middle, width)
-    if knee < end:
-        lower = _line(corners, middle, bottom, knee, bits)
-        broken_count = _push_edge(broken, broken_count, end, lower, middle, bottom, width)
-    if area > 0:
-        return first, end, long_count, broken_count
-    return first, end, broken_count, long_count
 
 
 @njit(cache=True)
@@ -335,14 +135,14 @@ def _cut_inside(triangle: int, corners: Ints, bits: int, out: Cut, count: int) -
     The same as :func:`cut_one`, where no side meets the border: the long edge is the major one if the other
     side's knee lies between its scanlines, else the left one.
     """
-    top, middle, bottom, area = _sorted(corners)
-    y, end = _first_scanline(corners[top, 1], bits), _first_scanline(corners[bottom, 1], bits)
+    top, middle, bottom, area = sorted_corners(corners)
+    y, end = first_scanline(corners[top, 1], bits), first_scanline(corners[bottom, 1], bits)
     if y >= end or area == 0:
         return count
-    knee = _first_scanline(corners[middle, 1], bits)
-    long = _line(corners, top, bottom, y, bits)
-    upper = _line(corners, top, middle, y, bits) if y < knee else long
-    lower = _line(corners, middle, bottom, knee, bits) if knee < end else long
+    knee = first_scanline(corners[middle, 1], bits)
+    long = line_of(corners, top, bottom, y, bits)
+    upper = line_of(corners, top, middle, y, bits) if y < knee else long
+    lower = line_of(corners, middle, bottom, knee, bits) if knee < end else long
     while y < end and not _between(long, upper if y < knee else lower, area, y):
         y += 1
     if y >= end:
@@ -375,13 +175,13 @@ def cut_one(triangle: int, corners: Ints, window: Window, sides: Sides, out: Cut
     """Append the primitives of one triangle; the longest possible one first, which gives the least number."""
     left, right = sides
     width = window.width
-    first, end, left_count, right_count = _sides(corners, window, sides)
-    y = _next_covered(sides, first, end, width)
+    first, end, left_count, right_count = cut_sides(corners, window, sides)
+    y = next_covered(sides, first, end, width)
     if y >= end:
         return count
-    end = _last_covered(sides, y, end - 1, width) + 1
+    end = last_covered(sides, y, end - 1, width) + 1
     while y < end:
-        i, j = _run_at(left, y), _run_at(right, y)
+        i, j = run_at(left, y), run_at(right, y)
         left_end, right_end = left[i].end, right[j].end
         left_next = left[i + 1].end if i + 1 < left_count else left_end
         right_next = right[j + 1].end if j + 1 < right_count else right_end
@@ -389,7 +189,7 @@ def cut_one(triangle: int, corners: Ints, window: Window, sides: Sides, out: Cut
         right_reach = min(right_end, left_next, end)
         mirror = right_reach > left_reach
         reach = max(left_reach, right_reach)
-        stop = _last_covered(sides, y, reach - 1, width) + 1
+        stop = last_covered(sides, y, reach - 1, width) + 1
         major, minor, k = (right[j], left, i) if mirror else (left[i], right, j)
         rows_first = min(minor[k].end, stop) - y
         head = out.heads[count]
@@ -397,12 +197,12 @@ def cut_one(triangle: int, corners: Ints, window: Window, sides: Sides, out: Cut
         head.rows_first, head.rows_second = rows_first, stop - y - rows_first
         head.major_top, head.major_bottom = major.top, major.bottom
         edges = out.edges[count]
-        _set_state(edges[0], _run_line(major), y, stop - y, mirror)
-        _set_state(edges[1], _run_line(minor[k]), y, rows_first, mirror)
+        _set_state(edges[0], run_line(major), y, stop - y, mirror)
+        _set_state(edges[1], run_line(minor[k]), y, rows_first, mirror)
         if stop - y > rows_first:
-            _set_state(edges[2], _run_line(minor[k + 1]), y + rows_first, stop - y - rows_first, mirror)
+            _set_state(edges[2], run_line(minor[k + 1]), y + rows_first, stop - y - rows_first, mirror)
         count += 1
-        y = _next_covered(sides, reach, end, width)
+        y = next_covered(sides, reach, end, width)
     return count
 
 

@@ -89,8 +89,8 @@ def _put_field(out: Words32, at: Ints, rows: Ints, raw: Ints, offset: int, width
 
 class _Layout(NamedTuple):
     """
-    How differences lie in a packet: the channel behind each group's last one; set-up words of a group's and of
-    one channel's difference; the bits of a word.
+    How differences lie in a packet: the channel behind each group's last one; set-up words of a group's and
+    of one channel's difference; the bits of a word.
     """
 
     group_ends: Ints

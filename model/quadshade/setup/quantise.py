@@ -29,8 +29,8 @@ class Fit:
     Columns of the linear functions of (m, N) nearest to E's three quadratics, a, b and c.
 
     ``mm``, ``mn`` and ``nn`` are sums over the sample points of products of m and N about their means, ``am``
-    to ``cn`` the functions' slopes along m and along N, ``aa`` to ``cc`` sums of products of what the functions
-    leave of the quadratics.
+    to ``cn`` the functions' slopes along m and along N, ``aa`` to ``cc`` sums of products of what the
+    functions leave of the quadratics.
     """
 
     mm: float

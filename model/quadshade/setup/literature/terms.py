@@ -28,7 +28,7 @@ from quadshade.setup.literature.methods import fit
 
 
 class Steps(NamedTuple):
-    """X and Y of the first pixel from the origin vertex, and X of a row step and of a column step, in pixels."""
+    """X and Y of the first pixel from the origin vertex, X of a row step and of a column step, in pixels."""
 
     x: float
     y: float
