@@ -45,8 +45,8 @@ class Head:
     """
     Columns of a primitive's head.
 
-    ``y`` is the first scanline, ``major_top`` and ``major_bottom`` are the two vertices of the triangle's edge
-    that is the major edge (-1: it is the border of the screen), ``mirror`` is 0 or 1.
+    ``y`` is the first scanline, ``major_top`` and ``major_bottom`` are the two vertices of the triangle's
+    edge that is the major edge (-1: it is the border of the screen), ``mirror`` is 0 or 1.
     """
 
     triangle: int
