@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -19,6 +20,7 @@ from quadshade.adapt.subdivide import (
     shared_edges,
     split_edges,
 )
+from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected, doubled_area
@@ -80,7 +82,7 @@ def regular_subdivision(
     Subdivided
     """
     formats = Formats() if formats is None else formats
-    highlighted = potentially_highlighted(projected, lights).any(axis=0)
+    highlighted = np.any(potentially_highlighted(projected, lights), axis=0)
     limit = 2 * threshold * 4.0**formats.subpixel_bits
     # The area is computed once; every division quarters it.
     area = abs(doubled_area(projected.vertices)).astype(np.float64)
@@ -107,7 +109,7 @@ def _insert_centres(
     places : (k, 2) int64
       Of the new vertices.
     """
-    triangle = np.flatnonzero(found.any(axis=0))
+    triangle = np.flatnonzero(np.any(found, axis=0))
     first = found[:, triangle].argmax(axis=0)
     scene, inside = np.empty((len(triangle), 3)), np.empty(len(triangle), dtype=bool)
     for index, light in enumerate(lights):
@@ -160,7 +162,7 @@ def highlight_subdivision(
     """
     material = Material() if material is None else material
     found = potentially_highlighted(projected, lights)
-    near = with_neighbours(projected.vertices, found.any(axis=0))
+    near = with_neighbours(projected.vertices, np.any(found, axis=0))
     projected, root, centres = _insert_centres(projected, found, lights)
     fresh = np.ones(len(root), dtype=bool)
     for step in range(MAX_DEPTH):
@@ -175,7 +177,7 @@ def highlight_subdivision(
             break
         projected, parent = split_edges(projected, edges, marks)
         root, fresh = root[parent], (np.bincount(parent) > 1)[parent]
-    return _subdivided(projected, root, found.any(axis=0))
+    return _subdivided(projected, root, np.any(found, axis=0))
 
 
 def _large_differences(
@@ -206,7 +208,7 @@ def _large_differences(
 
 
 @njit(cache=True)
-def _alike(position, normal, one, other):
+def _alike(position: Floats, normal: Floats, one: int, other: int) -> bool:
     """Whether the corners (triangle, corner) are the same point of the same surface."""
     for axis in range(3):
         if position[one // 3, one % 3, axis] != position[other // 3, other % 3, axis]:
@@ -217,7 +219,17 @@ def _alike(position, normal, one, other):
 
 
 @njit(cache=True, error_model="numpy")
-def _edge_loop(position, normal, weight, candidates, ids, index, count, surface, threshold):
+def _edge_loop(
+    position: Floats,
+    normal: Floats,
+    weight: Floats,
+    candidates: Bools,
+    ids: Ints,
+    index: Ints,
+    count: int,
+    surface: tuple[Any, ...],
+    threshold: float,
+) -> Bools:
     """As :func:`_large_differences`, for what the compiled light can do; what triangles share is lit once."""
     marks, seen = np.zeros(count, np.bool_), np.full(count, -1)
     keeper, kept = np.full(ids.size, -1), np.empty((ids.size, 3))

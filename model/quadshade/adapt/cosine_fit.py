@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -39,6 +40,10 @@ class CosineChannel:
     def difference(self, drawn: np.ndarray) -> np.ndarray:
         """(n, lights, p) output units that drawn cosines are off by, at least 0."""
         raise NotImplementedError
+
+    def at(self, points: np.ndarray) -> CosineChannel:
+        """At some of the points."""
+        return _at(self, points)
 
     def again(self, drawn: np.ndarray) -> np.ndarray:
         """Weights (n, lights, p) with which to fit again."""
@@ -107,7 +112,7 @@ class Diffuse(CosineChannel):
 
     def at(self, points: np.ndarray) -> Diffuse:
         """At some of the points."""
-        return replace(_at(self, points), shine=self.shine[..., points])
+        return _at(replace(self, shine=self.shine[..., points]), points)
 
 
 @dataclass(frozen=True)
@@ -157,9 +162,16 @@ class Specular(CosineChannel):
 
     def at(self, points: np.ndarray) -> Specular:
         """At some of the points."""
-        return replace(_at(self, points), lit=self.lit[..., points])
+        return _at(replace(self, lit=self.lit[..., points]), points)
 
 
-def _at(channel: CosineChannel, points: np.ndarray) -> CosineChannel:
-    parts = {name: getattr(channel, name)[..., points] for name in ("value", "weight", "used")}
-    return replace(channel, **parts)
+Channel = TypeVar("Channel", bound=CosineChannel)
+
+
+def _at(channel: Channel, points: np.ndarray) -> Channel:
+    return replace(
+        channel,
+        value=channel.value[..., points],
+        weight=channel.weight[..., points],
+        used=channel.used[..., points],
+    )

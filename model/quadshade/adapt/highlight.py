@@ -16,7 +16,7 @@ import numpy as np
 from quadshade.adapt import highlight_loops, subdivide_loops
 from quadshade.adapt.subdivide import point_indices
 from quadshade.scene.project import Projected
-from quadshade.shading.lights import AmbientLight, DirectionalLight, Light
+from quadshade.shading.lights import AmbientLight, DirectionalLight, Light, PointedLight
 
 
 def _dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -86,7 +86,7 @@ def light_rows(lights: Sequence[Light]) -> np.ndarray:
     return rows
 
 
-def to_light(position: np.ndarray, light: Light) -> np.ndarray:
+def to_light(position: np.ndarray, light: PointedLight) -> np.ndarray:
     """(..., 3) float64 vectors from (..., 3) points to a directional or point light, not unit length."""
     if isinstance(light, DirectionalLight):
         return np.broadcast_to(np.asarray(light.direction, dtype=np.float64), position.shape)

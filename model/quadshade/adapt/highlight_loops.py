@@ -6,31 +6,33 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Bools, Floats, Ints
+
 POINT = 2
 """In a row of :func:`quadshade.adapt.highlight.light_rows`: the light has a place, not a direction."""
 
 
 @njit(cache=True)
-def _dot(one, other):
+def _dot(one: Floats, other: Floats) -> float:
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 
 
 @njit(cache=True)
-def _cross(one, other, out):
+def _cross(one: Floats, other: Floats, out: Floats) -> None:
     out[0] = one[1] * other[2] - one[2] * other[1]
     out[1] = one[2] * other[0] - one[0] * other[2]
     out[2] = one[0] * other[1] - one[1] * other[0]
 
 
 @njit(cache=True)
-def _toward(point, to, placed, out):
+def _toward(point: Floats, to: Floats, placed: bool, out: Floats) -> None:
     """The vector from a point to a place, or a direction."""
     for axis in range(3):
         out[axis] = to[axis] - point[axis] if placed else to[axis]
 
 
 @njit(cache=True)
-def named(position, normal, viewer, near, lights):
+def named(position: Floats, normal: Floats, viewer: Floats, near: bool, lights: Floats) -> Bools:
     """
     (lights, n) whether triangles are potentially highlighted (tests H1 and H2).
 
@@ -63,7 +65,7 @@ def named(position, normal, viewer, near, lights):
 
 
 @njit(cache=True)
-def _mix(corners, barycentric, out):
+def _mix(corners: Floats, barycentric: Floats, out: Floats) -> None:
     """What three corners carry at barycentric coordinates."""
     for axis in range(3):
         out[axis] = (
@@ -74,7 +76,7 @@ def _mix(corners, barycentric, out):
 
 
 @njit(cache=True, error_model="numpy")
-def _root(a, b, c):
+def _root(a: float, b: float, c: float) -> float:
     """A root in 0 .. 1 of a t^2 + b t + c, NaN where there is none; the nearer to the middle of two."""
     # The form of the solution that does not cancel; the other root is c / (a root).
     q = -0.5 * (b + (-1 if b < 0 else 1) * np.sqrt(b * b - 4 * a * c))
@@ -86,7 +88,16 @@ def _root(a, b, c):
 
 
 @njit(cache=True, error_model="numpy")
-def _between(one, other, position, normal, viewer, near, light, work):
+def _between(
+    one: Floats,
+    other: Floats,
+    position: Floats,
+    normal: Floats,
+    viewer: Floats,
+    near: bool,
+    light: Floats,
+    work: Floats,
+) -> float:
     """
     Where condition H1 holds between two points of a triangle: the appendix's quadratic, solved directly.
 
@@ -114,7 +125,15 @@ def _between(one, other, position, normal, viewer, near, light, work):
 
 
 @njit(cache=True, error_model="numpy")
-def _nearer(barycentric, position, normal, viewer, near, light, work):
+def _nearer(
+    barycentric: Floats,
+    position: Floats,
+    normal: Floats,
+    viewer: Floats,
+    near: bool,
+    light: Floats,
+    work: Floats,
+) -> float:
     """V . N - L . N of unit vectors: positive where N is nearer to V."""
     point, turn, to_light, to_view = work[0], work[1], work[2], work[3]
     _mix(position, barycentric, point)
@@ -127,14 +146,22 @@ def _nearer(barycentric, position, normal, viewer, near, light, work):
 
 
 @njit(cache=True, error_model="numpy")
-def _share(start, end):
+def _share(start: float, end: float) -> float:
     """Where H2 holds between two points if its cosines vary linearly (end of the appendix)."""
     share = start / (start - end)
     return min(max(share, 0.0), 1.0) if np.isfinite(share) else 0.5
 
 
 @njit(cache=True, error_model="numpy")
-def centres(position, normal, triangle, viewer, near, light, repeats):
+def centres(
+    position: Floats,
+    normal: Floats,
+    triangle: Ints,
+    viewer: Floats,
+    near: bool,
+    light: Floats,
+    repeats: int,
+) -> tuple[Floats, Bools]:
     """
     (k, 3) centres of highlights and (k,) whether H2 changes its sign between the two points of H1.
 

@@ -116,10 +116,9 @@ def fit(values: np.ndarray, order: int, full: float, measure: str) -> Fit:
     nearest = values @ NEAREST[order].T
     rest = values - nearest @ SHAPES[order].T
     moved = nearest + (rest.max(axis=2, keepdims=True) + rest.min(axis=2, keepdims=True)) / 2
-    best = None
-    for samples in (values[..., NODES[order]], nearest, moved):
-        tried = _evaluated(samples, values, order, full)
-        best = tried if best is None else better_fit(best, tried, measure)
+    best = _evaluated(values[..., NODES[order]], values, order, full)
+    for samples in (nearest, moved):
+        best = better_fit(best, _evaluated(samples, values, order, full), measure)
     return best
 
 
@@ -172,7 +171,7 @@ def fit_at(
     """
     shape, counts = shape_functions(places, order), used[:, None]
     weights = np.broadcast_to(counts, values.shape).astype(np.float64)
-    best = None
+    best: Fit | None = None
     for _ in range(1 + EQUALISING * (measure == "max")):
         samples = np.clip(weighted_fit(shape, values, weights), 0, full)
         rest = abs(np.clip(samples @ np.swapaxes(shape, 1, 2), 0, full) - values) * counts
@@ -181,6 +180,7 @@ def fit_at(
         tried = Fit(padded, rest.max(axis=2), (rest**2).sum(axis=2) / counts.sum(axis=2))
         best = tried if best is None else better_fit(best, tried, measure)
         weights = equalised(weights, rest)
+    assert best is not None
     return best
 
 

@@ -80,13 +80,13 @@ def pixel_places(projected: Projected, formats: Formats, whole: Projected, root:
     count = abs(doubled_area(projected.vertices)) / 2 / 4.0**formats.subpixel_bits
     small = np.flatnonzero(count < LARGE)
     plain = {"num_channels": 1, "max_order": CONSTANT, "with_depth": 0, "with_shade": 0}
-    plain = formats.with_generics(plain | {"stream_width": 32})
+    plain_formats = formats.with_generics(plain | {"stream_width": 32})
     vertices = projected.vertices[small]
     shape = (len(small), 1)
     triangles = ScreenTriangles(
         projected.width, projected.height, vertices, np.zeros((*shape, 6)), np.zeros(shape, int), None, ("c",)
     )
-    pixels = draw(triangles, plain).pixels
+    pixels = draw(triangles, plain_formats).pixels
     have = np.bincount(pixels.triangle, minlength=len(small))
     count[small] = have
     few = (have > 0) & (have <= FEW)
@@ -99,12 +99,12 @@ def pixel_places(projected: Projected, formats: Formats, whole: Projected, root:
     slot = np.arange(len(order)) - first[row]
     used = np.zeros((len(rows), FEW), dtype=bool)
     used[row, slot] = True
-    both = np.full((2, len(rows), FEW, 3), 1 / 3)
+    own, of_whole = np.full((2, len(rows), FEW, 3), 1 / 3)
     for points, corners, triangle in (
-        (both[0], vertices, owner),
-        (both[1], whole.vertices, root[small[owner]]),
+        (own, vertices, owner),
+        (of_whole, whole.vertices, root[small[owner]]),
     ):
         points[row, slot] = barycentric(
             corners, triangle, pixels.x[order], pixels.y[order], formats.subpixel_bits
         )
-    return Places(count, small[rows], *both, used)
+    return Places(count, small[rows], own, of_whole, used)

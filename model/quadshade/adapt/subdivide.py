@@ -10,6 +10,7 @@ becomes two, three or four, so there is never a vertex in the middle of a neighb
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,23 +20,26 @@ from quadshade.scene.project import Projected
 CORNERS = np.array([[0, 1], [1, 2], [2, 0]])
 """Corners that edge 0, 1 and 2 of a triangle lead from and to."""
 
+Pattern: TypeAlias = tuple[tuple[int, ...], ...]
+"""The parts of a triangle, three points each."""
+
 # Points of a triangle: corners 0, 1, 2, then the new vertices on edges 0, 1, 2.
-_ONE = ((3, 1, 2), (0, 3, 2))
-_TWO = (((3, 1, 4), (0, 3, 4), (0, 4, 2)), ((3, 1, 4), (0, 3, 2), (3, 4, 2)))
-_RED = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+_ONE: Pattern = ((3, 1, 2), (0, 3, 2))
+_TWO: tuple[Pattern, Pattern] = (((3, 1, 4), (0, 3, 4), (0, 4, 2)), ((3, 1, 4), (0, 3, 2), (3, 4, 2)))
+_RED: Pattern = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 
-def _turned(children: tuple, by: int) -> tuple:
+def _turned(children: Pattern, by: int) -> Pattern:
     """A pattern for the triangle whose corner ``by`` is called corner 0."""
     place = [(index + by) % 3 + 3 * (index >= 3) for index in range(6)]
     return tuple(tuple(place[index] for index in child) for child in children)
 
 
 # Children by split edges (bit e: edge e), once for each diagonal of the quadrilateral that two splits leave.
-PATTERNS: dict[int, tuple[tuple, tuple]] = {0: (((0, 1, 2),),) * 2, 7: (_RED,) * 2}
+PATTERNS: dict[int, tuple[Pattern, Pattern]] = {0: (((0, 1, 2),),) * 2, 7: (_RED,) * 2}
 for _by in range(3):
     PATTERNS[1 << _by] = (_turned(_ONE, _by),) * 2
-    PATTERNS[1 << _by | 1 << (_by + 1) % 3] = tuple(_turned(children, _by) for children in _TWO)
+    PATTERNS[1 << _by | 1 << (_by + 1) % 3] = _turned(_TWO[0], _by), _turned(_TWO[1], _by)
 
 
 CHILDREN, COUNTS = np.zeros((8, 2, 4, 3), dtype=np.int64), np.zeros((8, 2), dtype=np.int64)

@@ -6,16 +6,18 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from quadshade.contract.arrays import Bools, Floats, Ints
+
 
 @njit(cache=True)
-def _slot(one, other, mask):
+def _slot(one: int, other: int, mask: int) -> int:
     """Where a pair of numbers is looked for first."""
     mixed = one * 0x9E3779B1 + other * 0x85EBCA77
     return (mixed ^ (mixed >> 17) ^ (mixed >> 31)) & mask
 
 
 @njit(cache=True)
-def _slots(count):
+def _slots(count: int) -> Ints:
     """An empty table for so many pairs, at least half free."""
     size = 16
     while size < 2 * count:
@@ -24,7 +26,7 @@ def _slots(count):
 
 
 @njit(cache=True)
-def _numbered(slots, pairs, count, one, other):
+def _numbered(slots: Ints, pairs: Ints, count: int, one: int, other: int) -> int:
     """The number of a pair among ``count`` ones; one that is new gets the next."""
     mask = len(slots) - 1
     at = _slot(one, other, mask)
@@ -39,7 +41,7 @@ def _numbered(slots, pairs, count, one, other):
 
 
 @njit(cache=True)
-def place_numbers(vertices):
+def place_numbers(vertices: Ints) -> tuple[Ints, Ints]:
     """(n, 3) a number for each place that (n, 3, 2) vertices take, and (places, 2) the places."""
     ids = np.empty(vertices.shape[:2], np.int64)
     slots, places, count = _slots(ids.size), np.empty((ids.size, 2), np.int64), 0
@@ -52,7 +54,7 @@ def place_numbers(vertices):
 
 
 @njit(cache=True)
-def edge_numbers(ids, places):
+def edge_numbers(ids: Ints, places: Ints) -> tuple[Ints, Bools, Ints]:
     """(n, 3) numbers of edges 0-1, 1-2, 2-0, whether they are run from the second end, (edges, 2, 2) ends."""
     index, turned = np.empty(ids.shape, np.int64), np.empty(ids.shape, np.bool_)
     slots, pairs, count = _slots(ids.size), np.empty((ids.size, 2), np.int64), 0
@@ -74,7 +76,7 @@ def edge_numbers(ids, places):
 
 
 @njit(cache=True)
-def touching(vertices, chosen):
+def touching(vertices: Ints, chosen: Ints) -> Bools:
     """(n,) whether triangles have a corner at one of (k, 2) places."""
     slots, places, count = _slots(len(chosen)), np.empty((len(chosen), 2), np.int64), 0
     for index in range(len(chosen)):
@@ -92,7 +94,7 @@ def touching(vertices, chosen):
 
 
 @njit(cache=True)
-def with_neighbours(ids, chosen):
+def with_neighbours(ids: Ints, chosen: Bools) -> Bools:
     """(n,) chosen triangles and those that share a place with one."""
     touched = np.zeros(3 * len(ids), np.bool_)
     for index in range(len(ids)):
@@ -106,14 +108,14 @@ def with_neighbours(ids, chosen):
 
 
 @njit(cache=True)
-def _side(one, two, three):
+def _side(one: Ints, two: Ints, three: Ints) -> int:
     """-1, 0 or 1: the sense of three points."""
     area = (two[0] - one[0]) * (three[1] - one[1]) - (three[0] - one[0]) * (two[1] - one[1])
     return (area > 0) - (area < 0)
 
 
 @njit(cache=True)
-def _six(vertices, middle, index, points):
+def _six(vertices: Ints, middle: Ints, index: Ints, points: Ints) -> None:
     """A triangle's corners, then the new vertices on its edges 0, 1, 2."""
     for corner in range(3):
         for axis in range(2):
@@ -122,19 +124,19 @@ def _six(vertices, middle, index, points):
 
 
 @njit(cache=True)
-def _code(marks, index):
+def _code(marks: Bools, index: Ints) -> int:
     """Split edges of a triangle, bit e: edge e."""
     return marks[index[0]] + 2 * marks[index[1]] + 4 * marks[index[2]]
 
 
 @njit(cache=True)
-def _apart(one, other):
+def _apart(one: Ints, other: Ints) -> int:
     """The squared distance of two points."""
     return (one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2
 
 
 @njit(cache=True)
-def _diagonal(points, code):
+def _diagonal(points: Ints, code: int) -> int:
     """Which diagonal is shorter in the quadrilateral that two splits leave; 0 for other splits."""
     for by in range(3):
         if code == 1 << by | 1 << (by + 1) % 3:
@@ -144,7 +146,7 @@ def _diagonal(points, code):
 
 
 @njit(cache=True)
-def _keep(vertices, row, at, parent, barycentric, out):
+def _keep(vertices: Ints, row: int, at: int, parent: Ints, barycentric: Floats, out: Ints) -> None:
     """A triangle as its own only part, number ``at``."""
     parent[at] = row
     for corner in range(3):
@@ -153,7 +155,7 @@ def _keep(vertices, row, at, parent, barycentric, out):
 
 
 @njit(cache=True)
-def new_vertices(ends, share, marks):
+def new_vertices(ends: Ints, share: Floats, marks: Bools) -> Ints:
     """
     (edges, 2) vertices that divide edges; a mark is taken away where one would be an end of its edge.
 
@@ -175,7 +177,9 @@ def new_vertices(ends, share, marks):
 
 
 @njit(cache=True)
-def sound_marks(vertices, index, marks, middle, children, counts):
+def sound_marks(
+    vertices: Ints, index: Ints, marks: Bools, middle: Ints, children: Ints, counts: Ints
+) -> None:
     """Take marks away, in place, until no part of a triangle is without area or turned over."""
     points, wrong = np.empty((6, 2), np.int64), np.zeros(len(vertices), np.bool_)
     again = True
@@ -199,7 +203,16 @@ def sound_marks(vertices, index, marks, middle, children, counts):
 
 
 @njit(cache=True)
-def parts(vertices, index, turned, marks, middle, share, children, counts):
+def parts(
+    vertices: Ints,
+    index: Ints,
+    turned: Bools,
+    marks: Bools,
+    middle: Ints,
+    share: Floats,
+    children: Ints,
+    counts: Ints,
+) -> tuple[Ints, Floats, Ints]:
     """
     Parts of triangles, in their order: parents (m,), corners (m, 3, 3) barycentric, vertices (m, 3, 2).
 
@@ -237,7 +250,9 @@ def parts(vertices, index, turned, marks, middle, share, children, counts):
 
 
 @njit(cache=True)
-def parts_around(vertices, chosen, barycentric, inside):
+def parts_around(
+    vertices: Ints, chosen: Ints, barycentric: Floats, inside: Ints
+) -> tuple[Ints, Floats, Ints]:
     """
     As :func:`parts`: some triangles divided into three at points inside; the others whole.
 
@@ -265,7 +280,9 @@ def parts_around(vertices, chosen, barycentric, inside):
 
 
 @njit(cache=True, error_model="numpy")
-def interpolated(parent, corners, weight, depth, carried):
+def interpolated(
+    parent: Ints, corners: Floats, weight: Floats, depth: Floats, carried: Floats
+) -> tuple[Floats, Floats, Floats]:
     """
     Weights (m, 3), depths (m, 3) and what else is carried (kinds, m, 3, 3) at corners of parts.
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import io
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -46,7 +47,7 @@ class Measured:
       ``picture.png``, ``error.png``, of an adaptive point ``reference.png``; none where it was refused.
     """
 
-    record: dict
+    record: dict[str, Any]
     files: dict[str, bytes]
 
 

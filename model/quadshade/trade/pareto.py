@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def pareto_front(cost: Sequence[float], error: Sequence[float]) -> np.ndarray:
     return front
 
 
-def mark_pareto(records: list[dict]) -> None:
+def mark_pareto(records: list[dict[str, Any]]) -> None:
     """
     Write into every record on which fronts it is: ``pareto``, a list of ``COSTS``.
 

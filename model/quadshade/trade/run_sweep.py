@@ -11,6 +11,7 @@ import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from joblib import Parallel, delayed
 
@@ -52,14 +53,14 @@ class Sweep:
       How many points were measured before.
     """
 
-    view: dict
-    generics: dict
+    view: dict[str, Any]
+    generics: dict[str, Any]
     device: str | None
     notice: str
-    records: list[dict]
+    records: list[dict[str, Any]]
     reused: int
 
-    def content(self) -> dict:
+    def content(self) -> dict[str, Any]:
         """All but how it came about."""
         return {
             "view": self.view,

@@ -11,6 +11,7 @@ import tempfile
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -95,7 +96,7 @@ def store(folder: Path, key: str, measured: Measured) -> None:
             made.rename(folder / key)
 
 
-def stored(folder: Path, key: str) -> dict | None:
+def stored(folder: Path, key: str) -> dict[str, Any] | None:
     """The record of a point that was measured before, or None; one that is damaged counts as none."""
     try:
         record = json.loads((folder / key / RECORD).read_text())

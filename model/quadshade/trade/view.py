@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -73,7 +74,7 @@ class View:
         # Of those that go with the viewer one has a direction.
         return max(sum(not isinstance(lamp, AmbientLight) for lamp in self.lamps or ()), 1)
 
-    def settings(self) -> dict:
+    def settings(self) -> dict[str, Any]:
         """All of it, for a file."""
         return asdict(self)
 

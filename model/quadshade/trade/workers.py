@@ -16,7 +16,7 @@ Results = Iterator[Any]
 
 
 @contextmanager
-def workers(jobs: int, dask: str | None) -> Iterator[Callable[[Iterable], Results]]:
+def workers(jobs: int, dask: str | None) -> Iterator[Callable[[Iterable[Any]], Results]]:
     """
     A function that runs joblib's delayed calls and gives their results as they come.
 

@@ -12,6 +12,7 @@ import json
 import shutil
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_json, write_text
@@ -37,7 +38,7 @@ SCRIPTS = ("numbers.js", "trade.js", "pareto.js", "sections.js")
 TRADE = "trade.json"
 
 
-def _read_json(path: Path) -> dict | None:
+def _read_json(path: Path) -> dict[str, Any] | None:
     """A JSON file's content, None where there is no such file."""
     try:
         return json.loads(path.read_text()) if path.is_file() else None

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from quadshade.contract.formats import Formats
 
 SETUPS = 100_000_000
@@ -39,7 +41,7 @@ CHO_TRIANGLES = (
 """The same, Table 2: final triangles and subdivided ones, at 256 and at 512 pixels."""
 
 
-def barrera_table(hostspeed: dict | None) -> list[dict]:
+def barrera_table(hostspeed: dict[str, Any] | None) -> list[dict[str, Any]]:
     """
     Barrera's Table 1 beside our seconds for as many set-ups.
 
@@ -60,7 +62,7 @@ def barrera_table(hostspeed: dict | None) -> list[dict]:
     ]
 
 
-def abbas_table(resources: dict | None) -> list[dict]:
+def abbas_table(resources: dict[str, Any] | None) -> list[dict[str, Any]]:
     """
     Abbas's pixel time beside that of our core at its clock after place-and-route.
 
@@ -85,7 +87,7 @@ def abbas_table(resources: dict | None) -> list[dict]:
     return rows
 
 
-def cho_tables() -> dict[str, list[dict]]:
+def cho_tables() -> dict[str, list[dict[str, Any]]]:
     """Cho's Tables 1 and 2."""
     times = ("method", "software_256_ms", "hardware_256_ms", "software_512_ms", "hardware_512_ms")
     counts = ("method", "final_256", "subdivided_256", "final_512", "subdivided_512")
@@ -95,6 +97,6 @@ def cho_tables() -> dict[str, list[dict]]:
     }
 
 
-def paper_tables(hostspeed: dict | None, resources: dict | None) -> dict:
+def paper_tables(hostspeed: dict[str, Any] | None, resources: dict[str, Any] | None) -> dict[str, Any]:
     """All tables, for ``data/papers.json``."""
     return {"barrera": barrera_table(hostspeed), "abbas": abbas_table(resources), "cho": cho_tables()}

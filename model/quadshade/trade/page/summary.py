@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 STEPS = (
     ("flat", "none", "Flat"),
     ("gouraud", "none", "Gouraud"),
@@ -18,7 +20,7 @@ STEPS = (
 """Rows of the first table: shading, subdivision, name."""
 
 
-def summary(trade: dict) -> dict:
+def summary(trade: dict[str, Any]) -> dict[str, Any]:
     """
     Rows of the first table and the headline of a scene.
 
