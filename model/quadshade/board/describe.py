@@ -95,13 +95,15 @@ def describe_board(
     """
     place = Port(port, baud)
     try:
-        line: Transport = place.open()
+        opened = place.open()
+        name: str = opened.name
+        line: Transport = opened
         try:
             if faults is not None:
                 line = FaultyTransport(line, *faults)
             session = Session(line, answer_seconds or place.answer_seconds, trace=trace)
             identity = session.connect(reset=False)
-            return BoardDescription(line.name, identity, session.status())
+            return BoardDescription(name, identity, session.status())
         finally:
             line.close()
     finally:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,7 +60,8 @@ def mesh_from_trimesh(given: trimesh.Trimesh | trimesh.Scene, crease: float | No
 
 def _corner_colours(given: trimesh.Trimesh, faces: np.ndarray) -> np.ndarray | None:
     """(n, 3, 3) float64 colours of the faces' corners, 0 .. 1, or None where the object has none."""
-    visual = given.visual
+    # The types of trimesh's two kinds of visuals have nothing in common; `kind` tells them apart.
+    visual: Any = given.visual
     if not visual.defined:
         return None
     if visual.kind == "face":

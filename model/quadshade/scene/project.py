@@ -4,29 +4,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
-from numba import njit
 
-from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.camera import Camera
 from quadshade.scene.clip import clip_triangles
 from quadshade.scene.depth_range import NEAREST, depth_notes, fitted_near
 from quadshade.scene.mesh import Mesh
-
-Flags: TypeAlias = npt.NDArray[np.uint16]
+from quadshade.scene.projection_loops import (
+    COORDINATES,
+    DISTANCE,
+    DIVISOR,
+    Corners,
+    ViewDepth,
+    fill_corners,
+    place_vertices,
+    rounded_vertices,
+    seen_faces,
+    vertex_sides,
+)
 
 FARTHEST = 1e14
 """Of a triangle that is cut, to the target's distance: float64 has 16 digits, and a pixel takes three."""
-
-# A vertex's coordinates before the viewport: x w, y w, w (1 in an orthographic view), distance to the viewer.
-ACROSS, DOWN, DIVISOR, DISTANCE, COORDINATES = range(5)
-CUT = 1 << 15
-"""A vertex's flag: beyond the near plane or the guard band. Bit p: beyond plane p of the screen."""
 
 
 @dataclass(frozen=True)
@@ -93,25 +94,6 @@ class Projected:
         return self.ordered(np.argsort(-self.depth.sum(axis=1), kind="stable"))
 
 
-class _ViewDepth(NamedTuple):
-    """Depth is linear on the screen: 0 at distance ``near``, ``full`` at ``far``."""
-
-    near: float
-    far: float
-    perspective: bool
-    full: float
-
-
-class _Corners(NamedTuple):
-    """Arrays of :class:`Projected`."""
-
-    vertices: Ints
-    depth: Floats
-    position: Floats
-    normal: Floats
-    weight: Floats
-
-
 def check_size(width: int, height: int, formats: Formats) -> None:
     """Raise :class:`QuadshadeError` for a screen that the core cannot address."""
     limit = 1 << formats.coord_bits
@@ -152,19 +134,19 @@ def project(
     formats = Formats() if formats is None else formats
     check_size(width, height, formats)
     view = _View(camera, width, height)
-    coordinates = _place(mesh.vertices, view.eye, view.rows, view.perspective)
+    coordinates = place_vertices(mesh.vertices, view.eye, view.rows, view.perspective)
     culled = _culled(mesh, cull)
     near, far = _depth_range(camera, view, mesh, coordinates, culled, (width, height))
     scale = 2.0**formats.subpixel_bits
     # One sub-pixel inside the guard band, so that rounding cannot leave it.
     band = (np.array(formats.guard_band) + (1, -1)) / scale
     cutters = view.planes(np.stack([band, band], axis=1), near)
-    sides = _sides(coordinates, view.planes(np.array([[0, 0], [width, height]]), near), cutters)
-    vertices = _rounded(coordinates, sides, view.middle, scale, *formats.guard_band)
+    sides = vertex_sides(coordinates, view.planes(np.array([[0, 0], [width, height]]), near), cutters)
+    vertices = rounded_vertices(coordinates, sides, view.middle, scale, *formats.guard_band)
     # Most triangles need no clipping and many are culled: nothing is gathered for those.
-    source, crossing = _seen(mesh.faces, sides, vertices, culled)
+    source, crossing = seen_faces(mesh.faces, sides, vertices, culled)
     full = 2.0**formats.depth_bits - 1
-    view_depth = _ViewDepth(near, far, view.perspective, full)
+    view_depth = ViewDepth(near, far, view.perspective, full)
     corners, colours = _gather(
         source, mesh.faces, vertices, coordinates, view_depth, mesh.vertices, mesh.normals, mesh.colours
     )
@@ -177,8 +159,8 @@ def project(
         flat = pieces.reshape(-1, pieces.shape[2])
         faces = np.arange(len(flat)).reshape(-1, 3)
         sides = np.zeros(len(flat), np.uint16)
-        vertices = _rounded(flat, sides, view.middle, scale, *formats.guard_band)
-        kept, _ = _seen(faces, sides, vertices, culled[crossing[cut_from]])
+        vertices = rounded_vertices(flat, sides, view.middle, scale, *formats.guard_band)
+        kept, _ = seen_faces(faces, sides, vertices, culled[crossing[cut_from]])
         flat_colours = None if mesh.colours is None else pieces[..., 10:13]
         more, more_colours = _gather(
             kept, faces, vertices, flat, view_depth, flat[:, 4:7], pieces[..., 7:10], flat_colours
@@ -186,7 +168,7 @@ def project(
         source = np.concatenate([source, crossing[cut_from[kept]]])
         order = np.argsort(source, kind="stable")
         source = source[order]
-        corners = _Corners(*(np.concatenate(arrays)[order] for arrays in zip(corners, more, strict=True)))
+        corners = Corners(*(np.concatenate(arrays)[order] for arrays in zip(corners, more, strict=True)))
         if colours is not None and more_colours is not None:
             colours = np.concatenate([colours, more_colours])[order]
     eye = view.eye if view.perspective else None
@@ -281,137 +263,24 @@ def _attributes(mesh: Mesh, coordinates: np.ndarray, source: np.ndarray) -> np.n
     return np.concatenate(parts if mesh.colours is None else [*parts, mesh.colours[source]], axis=-1)
 
 
-@njit(cache=True)
-def _place(points: Floats, eye: Floats, rows: Floats, perspective: bool) -> Floats:
-    """(m, 4) float64 coordinates of (m, 3) points, to the last bit the same for the same point."""
-    out = np.empty((len(points), COORDINATES))
-    for vertex in range(len(points)):
-        x, y, z = points[vertex, 0] - eye[0], points[vertex, 1] - eye[1], points[vertex, 2] - eye[2]
-        for index in range(COORDINATES):
-            out[vertex, index] = x * rows[index, 0] + y * rows[index, 1] + z * rows[index, 2]
-        out[vertex, DIVISOR] = out[vertex, DISTANCE] if perspective else 1.0
-    return out
-
-
-@njit(cache=True)
-def _beyond(coordinates: Floats, plane: Floats) -> bool:
-    """Whether a vertex is on the outer side of a plane; added up as in :func:`clip.plane_distance`."""
-    total = plane[COORDINATES]
-    for index in range(COORDINATES):
-        total += coordinates[index] * plane[index]
-    return total < 0
-
-
-@njit(cache=True)
-def _sides(coordinates: Floats, borders: Floats, cutters: Floats) -> Flags:
-    """(m,) uint16 flags: bit p beyond border p; ``CUT`` beyond any cutter."""
-    out = np.zeros(len(coordinates), np.uint16)
-    for vertex in range(len(coordinates)):
-        for index in range(len(borders)):
-            if _beyond(coordinates[vertex], borders[index]):
-                out[vertex] |= 1 << index
-        for index in range(len(cutters)):
-            if _beyond(coordinates[vertex], cutters[index]):
-                out[vertex] |= CUT
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def _rounded(coordinates: Floats, sides: Flags, middle: Floats, scale: float, low: int, high: int) -> Ints:
-    """(m, 2) int64 sub-pixels low .. high, y down, ties to even; zero for vertices beyond a cutter."""
-    out = np.zeros((len(coordinates), 2), np.int64)
-    for vertex in range(len(coordinates)):
-        if not sides[vertex] & CUT:
-            for axis in range(2):
-                place = middle[axis] + coordinates[vertex, axis] / coordinates[vertex, DIVISOR]
-                # A cut from very far away may miss the guard band by its rounding.
-                out[vertex, axis] = np.int64(min(max(np.rint(place * scale), low), high))
-    return out
-
-
-@njit(cache=True)
-def _facing(face: Ints, vertices: Ints) -> int:
-    """Positive for a triangle that turns counter-clockwise on the screen, 0 without area (an integer)."""
-    x, y = vertices[face[0], 0], vertices[face[0], 1]
-    x2, y2 = vertices[face[1], 0] - x, vertices[face[1], 1] - y
-    x3, y3 = vertices[face[2], 0] - x, vertices[face[2], 1] - y
-    return x3 * y2 - x2 * y3
-
-
-@njit(cache=True)
-def _seen(faces: Ints, sides: Flags, vertices: Ints, culled: Bools) -> tuple[Ints, Ints]:
-    """Faces to draw that no cutter touches, and those that one crosses: two (k,) int64, ascending."""
-    whole, crossing = np.empty(len(faces), np.int64), np.empty(len(faces), np.int64)
-    wholes = crossings = 0
-    for index in range(len(faces)):
-        face = faces[index]
-        one, two, three = sides[face[0]], sides[face[1]], sides[face[2]]
-        if one & two & three & (CUT - 1):
-            continue
-        if (one | two | three) & CUT:
-            crossing[crossings] = index
-            crossings += 1
-        else:
-            facing = _facing(face, vertices)
-            if facing > 0 or (facing < 0 and not culled[index]):
-                whole[wholes] = index
-                wholes += 1
-    return whole[:wholes].copy(), crossing[:crossings].copy()
-
-
 def _gather(
     chosen: np.ndarray,
     faces: np.ndarray,
     vertices: np.ndarray,
     coordinates: np.ndarray,
-    view_depth: _ViewDepth,
+    view_depth: ViewDepth,
     position: np.ndarray,
     normal: np.ndarray,
     colour: np.ndarray | None,
-) -> tuple[_Corners, np.ndarray | None]:
+) -> tuple[Corners, np.ndarray | None]:
     """What (k,) chosen faces have at their corners, and their colours."""
     count = len(chosen)
-    out = _Corners(
+    out = Corners(
         np.empty((count, 3, 2), np.int64),
         np.empty((count, 3)),
         np.empty((count, 3, 3)),
         np.empty((count, 3, 3)),
         np.empty((count, 3)),
     )
-    _fill(chosen, faces, vertices, coordinates, view_depth, position, normal, out)
+    fill_corners(chosen, faces, vertices, coordinates, view_depth, position, normal, out)
     return out, None if colour is None else colour[chosen]
-
-
-@njit(cache=True, error_model="numpy")
-def _fill(
-    chosen: Ints,
-    faces: Ints,
-    vertices: Ints,
-    coordinates: Floats,
-    view_depth: _ViewDepth,
-    position: Floats,
-    normal: Floats,
-    out: _Corners,
-) -> None:
-    """The arrays of :func:`_gather`."""
-    near, far, perspective, full = view_depth
-    for row in range(len(chosen)):
-        face = faces[chosen[row]]
-        back = _facing(face, vertices) < 0
-        for corner in range(3):
-            vertex = face[corner]
-            distance = coordinates[vertex, DISTANCE]
-            if not far > near:
-                share = 0.0
-            elif perspective:
-                share = (1 / near - 1 / distance) / (1 / near - 1 / far)
-            else:
-                share = (distance - near) / (far - near)
-            out.depth[row, corner] = min(max(share, 0.0), 1.0) * full
-            out.weight[row, corner] = 1 / coordinates[vertex, DIVISOR]
-            out.vertices[row, corner, 0] = vertices[vertex, 0]
-            out.vertices[row, corner, 1] = vertices[vertex, 1]
-            for axis in range(3):
-                part = normal[chosen[row], corner, axis]
-                out.position[row, corner, axis] = position[vertex, axis]
-                out.normal[row, corner, axis] = -part if back else part
