@@ -9,7 +9,11 @@
 set -euo pipefail
 
 python=${PYTHON:-python3}
+# A command may have arguments, as CXX="ccache g++".
 ghdl=${GHDL:-ghdl}
+ghdl=${ghdl%% *}
+verilator=${VERILATOR:-verilator}
+compiler=${CXX:-g++}
 
 fail() {
   echo "setup: error: $1" >&2
@@ -31,8 +35,8 @@ elif ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
 fi
 need "$ghdl" ghdl-llvm
 # The engine verilator, and the tests of the netlist: 21 MB beside the 90 MB of GHDL with its LLVM and gcc.
-need "${VERILATOR:-verilator}" verilator
-need "${CXX:-g++}" g++
+need "${verilator%% *}" verilator
+need "${compiler%% *}" g++
 need iverilog iverilog
 # The report's picture and its test.
 need chromium chromium

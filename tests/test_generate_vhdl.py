@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 from pathlib import Path
@@ -12,10 +11,11 @@ import numpy as np
 import pytest
 
 from quadshade.contract.formats import DERIVED, GENERIC_CHOICES, GENERIC_RANGES, SECTIONS, Formats
+from quadshade.engine.tool_runner import tool_command
 from quadshade.errors import QuadshadeError
 
 ROOT = Path(__file__).resolve().parents[1]
-GHDL = os.environ.get("GHDL", "ghdl")
+GHDL = tool_command("GHDL")
 GENERICS = tuple(Formats().generics())
 
 
@@ -62,14 +62,14 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ["-a", "--std=08", ROOT / "rtl" / "generated" / "quadshade_pkg.vhd", source],
         ["-e", "--std=08", "probe"],
     ):
-        subprocess.run([GHDL, *command], cwd=folder, check=True)
+        subprocess.run([*GHDL, *command], cwd=folder, check=True)
     return folder
 
 
 def elaborate(build: Path, generics: dict[str, int]) -> tuple[int, dict[str, int], str]:
     """Exit code, reported values and raw text of the probe with these generics."""
     settings = [f"-g{name}={value}" for name, value in generics.items()]
-    command = [GHDL, "-r", "--std=08", "probe", *settings]
+    command = [*GHDL, "-r", "--std=08", "probe", *settings]
     result = subprocess.run(command, cwd=build, capture_output=True, text=True, check=False)
     text = result.stdout + result.stderr
     values = {name: int(value) for name, value in re.findall(r"\(report note\): ([\w.]+)=(-?\d+)", text)}

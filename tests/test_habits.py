@@ -135,7 +135,7 @@ def test_info_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VERILATOR", "/nowhere/verilator")
     monkeypatch.setenv("CXX", "env g++ -m64")
     said = environment()
-    assert said["verilator"] == "/nowhere/verilator: not installed"
+    assert said["verilator"] == "VERILATOR is '/nowhere/verilator': /nowhere/verilator is not installed"
     assert said["c++"].startswith("g++")
 
 

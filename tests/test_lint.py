@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -12,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from quadshade.engine.tool_runner import tool_command
+
 ROOT = Path(__file__).resolve().parents[1]
-GHDL = os.environ.get("GHDL", "ghdl")
+GHDL = tool_command("GHDL")
 TOPS = {"raster_core": (), "render_core": ("-gwith_shade=1", "-gnum_channels=4", "-gnum_specular=2")}
 MAX_LINES = 400
 MAX_COLUMNS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]["line-length"]
@@ -195,11 +196,11 @@ def test_generated_package_is_current() -> None:
 def test_rtl_analyses_and_synthesises(tmp_path: Path) -> None:
     options = ["--std=08", f"--workdir={tmp_path}"]
     # In the order of files.f, which is therefore bottom-up.
-    analysis = run(GHDL, "-a", "-Werror", *options, *rtl_files(), cwd=tmp_path)
+    analysis = run(*GHDL, "-a", "-Werror", *options, *rtl_files(), cwd=tmp_path)
     assert analysis.returncode == 0, analysis.stderr
     assert analysis.stderr == ""
     for top, generics in TOPS.items():
-        command = (GHDL, "--synth", "-Werror", *options, *generics, "--out=verilog", top)
+        command = (*GHDL, "--synth", "-Werror", *options, *generics, "--out=verilog", top)
         synthesis = run(*command, cwd=tmp_path)
         assert synthesis.returncode == 0, synthesis.stderr
         assert f"module {top}" in synthesis.stdout

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from quadshade.engine.ghdl import analyse
 from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import tool_command
 from quadshade.engine.verilator import compile_netlist
 
 TOP = "board"
@@ -60,6 +60,6 @@ def ghdl_board(generics: Mapping[str, int]) -> list[str]:
       GHDL is missing, or the sources have an error.
     """
     library = analyse(repository_root(), TESTBENCH)
-    command = [os.environ.get("GHDL", "ghdl"), "--elab-run", "--std=08", f"--workdir={library}", TESTBENCH]
+    command = [*tool_command("GHDL"), "--elab-run", "--std=08", f"--workdir={library}", TESTBENCH]
     command += [f"-g{name}={value}" for name, value in generics.items()]
     return [*command, "--ieee-asserts=disable"]

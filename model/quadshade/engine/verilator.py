@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-import os
+import shlex
 import shutil
 import sys
 import tempfile
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,13 @@ from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import RENDER_TOP, write_netlist
 from quadshade.engine.simplify_netlist import fold
 from quadshade.engine.sources import repository_root
-from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool
+from quadshade.engine.tool_runner import (
+    INSTALL_OR_MODEL,
+    missing_tool,
+    run_tool,
+    tool_command,
+    tool_version,
+)
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 
@@ -42,21 +47,13 @@ MAKE_FLAGS = "OPT_FAST=-O2 OPT_GLOBAL=-O1 OPT_SLOW=-O0"
 """Only what runs every clock is worth the compiler's time."""
 
 
-def _ghdl() -> str:
-    return os.environ.get("GHDL", "ghdl")
+PROGRAMS = ("GHDL", "VERILATOR", "CXX")
+"""What makes a simulation, by the variables of :func:`quadshade.engine.tool_runner.tool_command`."""
 
 
-def _verilator() -> str:
-    return os.environ.get("VERILATOR", "verilator")
-
-
-def _compiler() -> str:
-    return os.environ.get("CXX", "g++")
-
-
-def missing_tools() -> list[str]:
-    """Programs that this engine needs and that are not installed."""
-    return [tool for tool in (_ghdl(), _verilator(), _compiler(), "make") if shutil.which(tool) is None]
+def missing_program() -> str:
+    """What is wrong with the first program that this engine needs and cannot run; nothing if all can."""
+    return missing_tool(PROGRAMS) or ("" if shutil.which("make") else "make is not installed")
 
 
 def verilator_available() -> bool:
@@ -65,12 +62,7 @@ def verilator_available() -> bool:
         repository_root()
     except QuadshadeError:
         return False
-    return not missing_tools()
-
-
-@cache
-def _version(tool: str) -> str:
-    return run_tool([tool, "--version"], Path.cwd())
+    return not missing_program()
 
 
 def build_verilator(formats: Formats, kept: Path | None = None) -> Path:
@@ -118,28 +110,43 @@ def compile_netlist(
     QuadshadeError
       A tool is missing or fails.
     """
-    if tools := missing_tools():
-        raise QuadshadeError(f"{tools[0]} is not installed", INSTALL_OR_MODEL)
+    if problem := missing_program():
+        raise QuadshadeError(problem, INSTALL_OR_MODEL)
     root = repository_root()
     harness = root / "sim" / "verilator" / f"{top}_main.cpp"
     netlist = fold(write_netlist(generics, top, root=root).read_text())
-    command = [_verilator(), *VERILATOR_OPTIONS, "--top-module", top, "-o", top]
+    verilator, compiler = tool_command("VERILATOR"), tool_command("CXX")
+    command = [*verilator, *VERILATOR_OPTIONS, "--top-module", top, "-o", top]
     if macros:
         command += ["-CFLAGS", " ".join(f"-D{name.upper()}={value}" for name, value in macros.items())]
-    command += ["-MAKEFLAGS", f"{MAKE_FLAGS} CXX={_compiler()}"]
+    command += ["-MAKEFLAGS", f"{MAKE_FLAGS} {_make_settings(compiler)}"]
 
     def make(folder: Path) -> None:
         if sys.stderr.isatty():
             print(f"compiling {what} for Verilator, once for these generics ...", file=sys.stderr)
-        with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+        # Not below the checkout, whose path is the user's, and by bare names: Verilator's make file refuses a
+        # folder with a blank and takes no file with a blank or a sign.
+        with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:
+            if scratch.split() != [scratch]:
+                raise QuadshadeError(
+                    f"Verilator cannot build in {Path(scratch).parent}: make takes no path with a blank",
+                    "set TMPDIR to a folder without one",
+                )
             work = Path(scratch)
-            verilog = work / f"{top}.v"
-            verilog.write_text(netlist)
-            run_tool([*command, "--Mdir", work, verilog, harness], work)
-            (work / top).replace(folder / top)
+            (work / f"{top}.v").write_text(netlist)
+            shutil.copy(harness, work)
+            run_tool([*command, "--Mdir", ".", f"{top}.v", harness.name], work, INSTALL_OR_MODEL)
+            shutil.move(work / top, folder / top)
 
-    key = build_key(*command, _version(_verilator()), _version(_compiler()), netlist, harness)
+    versions = tool_version(tuple(verilator)), tool_version(tuple(compiler))
+    key = build_key(*command, *versions, netlist, harness)
     return build_once(kept or root / "build" / "verilator", key, make) / top
+
+
+def _make_settings(compiler: list[str]) -> str:
+    """A compiler with its arguments, for the shell and the make that Verilator starts; it links too."""
+    text = shlex.join(compiler).replace("$", "$$")
+    return " ".join(shlex.quote(f"{name}={text}") for name in ("CXX", "LINK"))
 
 
 def record_type(formats: Formats) -> np.dtype:
