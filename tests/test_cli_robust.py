@@ -119,6 +119,38 @@ def test_a_mistyped_command_is_suggested() -> None:
     assert is_one_line(result) and "nearest" not in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    (
+        (("render", "none.obj", "-o", "a.png"), "give a mesh file"),
+        (("pack", "none.stl", "-o", "a.qs"), "give a mesh file"),
+        (("raster", "none.json", "-o", "a.npz"), "give a triangles file"),
+        (("compare", "none.png", "none.png"), "give a PNG file"),
+        (("dump", "none.qs"), "give a .qs file"),
+        (("replay", "none.qs", "--port", "sim"), "give a .qs file"),
+    ),
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_a_missing_file_has_one_wording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], hint: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = quadshade(*arguments)
+    assert is_one_line(result)
+    assert (
+        result.stderr == f"quadshade: error: cannot read {arguments[1]}: No such file or directory; {hint}\n"
+    )
+    (tmp_path / arguments[1]).mkdir()
+    assert is_one_line(quadshade(*arguments))
+
+
+def test_options_that_mean_nothing_are_not_offered() -> None:
+    assert "--verify" not in quadshade("info", "--help").output
+    packing = quadshade("pack", "--help").output
+    assert all(word not in packing for word in ("phong is the reference", "--port", "--style", "--edges"))
+    assert is_one_line(quadshade("pack", "sphere:24", "-o", "a.qs", "--shading", "phong"))
+
+
 def test_ctrl_c_ends_the_program_while_it_imports(tmp_path: Path) -> None:
     """trimesh's imports would swallow the exception."""
     program = (

@@ -27,8 +27,9 @@ from quadshade.cli.main import main
 from quadshade.cli.render import render as render_command
 from quadshade.image import read_picture
 from quadshade.rendering import Reports
-from quadshade.scene import Camera, build_mesh
+from quadshade.scene import Camera, build_mesh, parse_camera, project
 from quadshade.shading import AmbientLight, DirectionalLight, parse_material
+from quadshade.style import illustrate
 
 SMALL = {"size": (48, 32), "engine": "model"}
 HEAVY = ("numpy", "numba", "scipy", "trimesh", "skimage", "matplotlib", "rich", "quadshade.engine")
@@ -272,6 +273,16 @@ def test_triangles_are_drawn_again(sphere: quadshade.Picture, tmp_path: Path) ->
     assert len(pixels) > 20 and (pixels.value == 5).all()
     with pytest.raises(quadshade.QuadshadeError, match="nowhere.json"):
         quadshade.draw("nowhere.json")
+
+
+def test_a_cartoon_has_smooth_tones_like_an_illustration() -> None:
+    mesh = quadshade.load_scene("torus:288")
+    shown = project(mesh, parse_camera("", mesh), 64, 48)
+    drawn = illustrate(shown, "cartoon", parse_material(""))
+    picture = quadshade.render(mesh, style="cartoon", edges="profile,inner", engine="model", size=(64, 48))
+    assert (picture.array == drawn).all()
+    board = quadshade.render(mesh, style="cartoon", port="sim", pack_error=0, **SMALL)
+    assert board.error_to(quadshade.render(mesh, style="cartoon", **SMALL)).differing == 0
 
 
 def test_two_triangles_of_a_mesh_made_by_hand() -> None:

@@ -201,7 +201,7 @@ def test_exact_packing_draws_what_render_draws(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [
-        (("pack", "sphere:168", "--shading", "phong"), "no board computes"),
+        (("pack", "sphere:168", "--shading", "phong"), "'phong' is not one of"),
         (("pack", "sphere:168", "--generic", "stream_width=64"), "stream_width is 64"),
         (("pack", "sphere:168", "--generic", "value_bits=7"), "value_bits is 7"),
         (("pack", "sphere:168", "--pack-error", "-1"), "grey levels from 0"),

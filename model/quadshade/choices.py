@@ -24,6 +24,7 @@ BOARD_SHADINGS = (*SHADING_ORDERS, *SPECULAR_ORDERS)
 
 SHADINGS = (*BOARD_SHADINGS, PHONG)
 DEFAULT_SHADING = "quadratic"
+DEFAULT_SIZE = "512x512"
 ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
 
 SETUPS = ("unit", "abbas", "general", "xshading")

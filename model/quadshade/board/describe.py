@@ -95,15 +95,12 @@ def describe_board(
     """
     place = Port(port, baud)
     try:
-        opened = place.open()
-        name: str = opened.name
-        line: Transport = opened
+        line = place.open()
         try:
-            if faults is not None:
-                line = FaultyTransport(line, *faults)
-            session = Session(line, answer_seconds or place.answer_seconds, trace=trace)
+            damaged: Transport = line if faults is None else FaultyTransport(line, *faults)
+            session = Session(damaged, answer_seconds or place.answer_seconds, trace=trace)
             identity = session.connect(reset=False)
-            return BoardDescription(name, identity, session.status())
+            return BoardDescription(line.name, identity, session.status())
         finally:
             line.close()
     finally:

@@ -6,6 +6,8 @@ from __future__ import annotations
 import contextlib
 import sys
 import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NoReturn
 
 from quadshade.cli.interrupts import MESSAGE, ending_in_order, exit_code, is_interrupted, leave_at_once
@@ -28,16 +30,26 @@ COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "i
 class OneLineErrors(click.Group):
     """A group of commands that says every error in one line on stderr and then exits with code 2."""
 
-    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
         """Run a command; as click's own ``main`` but for what an error looks like."""
+        run: Callable[[], Any] = partial(
+            super().main, args, prog_name, complete_var, standalone_mode=False, **extra
+        )
         if not standalone_mode:
-            return super().main(*args, standalone_mode=False, **extra)
+            return run()
         try:
             with warnings.catch_warnings(), ending_in_order(), somewhere_for_compiled_loops():
                 # What matters is an error; numpy's and Pillow's warnings would be further lines on stderr.
                 if not sys.warnoptions:
                     warnings.simplefilter("ignore")
-                code = super().main(*args, standalone_mode=False, **extra)
+                code = run()
         except click.exceptions.NoArgsIsHelpError as error:
             click.echo(error.ctx.get_help() if error.ctx else "")
             sys.exit(0)

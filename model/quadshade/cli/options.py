@@ -52,7 +52,7 @@ class TitledCommand(click.Command):
                 formatter.write_dl(records)
 
 
-class Parsed(click.ParamType):
+class Parsed(click.ParamType[Any]):
     """
     A value that a function of the library reads.
 

@@ -15,8 +15,8 @@ from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
-    SCENE_OPTIONS,
     VERIFY_ERROR,
+    scene_options,
     setup_options,
     shading_options,
     verify_option,
@@ -26,7 +26,7 @@ from quadshade.cli.terminal import reporting
 
 @click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
 @add_options(
-    SCENE_OPTIONS,
+    scene_options(),
     shading_options(BOARD_SHADINGS),
     ERROR_OPTIONS,
     verify_option("Accuracy", VERIFY_ERROR),

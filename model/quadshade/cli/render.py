@@ -23,8 +23,8 @@ from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
-    SCENE_OPTIONS,
     VERIFY_ERROR,
+    scene_options,
     setup_options,
     shading_options,
     verify_option,
@@ -37,7 +37,7 @@ VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC th
 
 @click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
 @add_options(
-    SCENE_OPTIONS,
+    scene_options("512x512, or with --port the board's screen", "black; white with --style or --edges"),
     shading_options(),
     ERROR_OPTIONS,
     verify_option("Accuracy", VERIFY),

@@ -7,6 +7,7 @@ import click
 
 from quadshade.choices import (
     DEFAULT_SHADING,
+    DEFAULT_SIZE,
     MAX_ERROR,
     MEASURES,
     PACK_ERROR,
@@ -21,65 +22,6 @@ from quadshade.choices import (
 from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, option
 
 VERIFY_ERROR = "With --max-error: compare every pixel with Phong shading and repair what exceeds it."
-
-SCENE_OPTIONS: list[Decorator] = [
-    click.argument("scene", shell_complete=complete_file),
-    option(
-        "Scene",
-        "--size",
-        metavar="WxH",
-        help="Pixels.  [default: 512x512, or with --port the board's screen]",
-    ),
-    option(
-        "Scene",
-        "--camera",
-        default="",
-        metavar="KEY=VALUE,...",
-        help="eye=x,y,z or from=x,y,z (direction), target=x,y,z, up=x,y,z, fov=degrees or "
-        "ortho=half-height, near=distance; what is missing is fitted to the scene.",
-    ),
-    option(
-        "Scene",
-        "--light",
-        "lights",
-        multiple=True,
-        metavar="KEY=VALUE,...",
-        help="dir=x,y,z (towards the light), point=x,y,z or ambient=n, with colour=r,g,b (0..1) and, for "
-        "points, attenuation=a,b,c. Repeatable; replaces the default lights.",
-    ),
-    option(
-        "Scene",
-        "--material",
-        default="",
-        metavar="KEY=VALUE,...",
-        help="colour=r,g,b, diffuse=, ambient=, specular= (one number or three), exponent=n, "
-        "model=blinn or phong.",
-    ),
-    option("Scene", "--exponent", type=float, help="Specular exponent.  [default: 20]"),
-    option(
-        "Scene",
-        "--reflectance",
-        metavar="MODULE:FUNCTION",
-        help="Your own reflectance: a function of point, normal, to_light and to_viewer.",
-    ),
-    option(
-        "Scene", "--cull/--no-cull", default=True, show_default=True, help="Drop triangles seen from behind."
-    ),
-    option(
-        "Scene",
-        "--crease",
-        type=float,
-        metavar="DEGREES",
-        help="Compute vertex normals; edges sharper than this stay sharp.  "
-        "[default: the file's normals, else 60]",
-    ),
-    option(
-        "Scene",
-        "--background",
-        metavar="R,G,B",
-        help="0..1; one number is grey.  [default: black; white with --style or --edges]",
-    ),
-]
 
 ERROR_OPTIONS: list[Decorator] = [
     option(
@@ -118,6 +60,72 @@ PACK_OPTIONS: list[Decorator] = [
         f"word and every edge as it is (docs/reference/packing.md).  [default: {PACK_ERROR}]",
     )
 ]
+
+
+def scene_options(size: str = DEFAULT_SIZE, background: str = "black") -> list[Decorator]:
+    """What is looked at; ``size`` and ``background`` are what the help says of their defaults."""
+    return [
+        click.argument("scene", shell_complete=complete_file),
+        option(
+            "Scene",
+            "--size",
+            metavar="WxH",
+            help=f"Pixels.  [default: {size}]",
+        ),
+        option(
+            "Scene",
+            "--camera",
+            default="",
+            metavar="KEY=VALUE,...",
+            help="eye=x,y,z or from=x,y,z (direction), target=x,y,z, up=x,y,z, fov=degrees or "
+            "ortho=half-height, near=distance; what is missing is fitted to the scene.",
+        ),
+        option(
+            "Scene",
+            "--light",
+            "lights",
+            multiple=True,
+            metavar="KEY=VALUE,...",
+            help="dir=x,y,z (towards the light), point=x,y,z or ambient=n, with colour=r,g,b (0..1) and, for "
+            "points, attenuation=a,b,c. Repeatable; replaces the default lights.",
+        ),
+        option(
+            "Scene",
+            "--material",
+            default="",
+            metavar="KEY=VALUE,...",
+            help="colour=r,g,b, diffuse=, ambient=, specular= (one number or three), exponent=n, "
+            "model=blinn or phong.",
+        ),
+        option("Scene", "--exponent", type=float, help="Specular exponent.  [default: 20]"),
+        option(
+            "Scene",
+            "--reflectance",
+            metavar="MODULE:FUNCTION",
+            help="Your own reflectance: a function of point, normal, to_light and to_viewer.",
+        ),
+        option(
+            "Scene",
+            "--cull/--no-cull",
+            default=True,
+            show_default=True,
+            help="Drop triangles seen from behind.",
+        ),
+        option(
+            "Scene",
+            "--crease",
+            type=float,
+            metavar="DEGREES",
+            help="Compute vertex normals; edges sharper than this stay sharp.  "
+            "[default: the file's normals, else 60]",
+        ),
+        option(
+            "Scene",
+            "--background",
+            metavar="R,G,B",
+            help=f"0..1; one number is grey.  [default: {background}]",
+        ),
+    ]
 
 
 def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from quadshade.choices import ENGINES
+from quadshade.choices import DEFAULT_SIZE, ENGINES
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import GENERICS_EPILOG, complete_file, generic_option
 from quadshade.cli.render import render
@@ -107,11 +107,11 @@ def trade(
     quadshade trade torus:288 --dask tcp://host:8786
     """
     with leave_at_once():
-        from quadshade.rendering.groups import DEFAULT_SIZE
         from quadshade.scene.key_values import parse_size
         from quadshade.trade import Grid, View, sweep
-        from quadshade.trade.grid import DEFAULT_SHADINGS, USUAL_SHADINGS, WHOLE
+        from quadshade.trade.grid import DEFAULT_SHADINGS, USUAL_SHADINGS
         from quadshade.trade.progress import progress_bars
+        from quadshade.trade.subdivision import WHOLE
 
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:

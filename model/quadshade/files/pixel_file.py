@@ -25,7 +25,7 @@ def write_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
     def write(temporary: Path) -> None:
         # An open file: NumPy would append .npz to the name of another.
         with temporary.open("wb") as file:
-            np.savez(file, allow_pickle=True, **arrays)
+            np.savez(file, allow_pickle=False, **arrays)
 
     write_atomically(path, write)
 

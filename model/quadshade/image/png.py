@@ -48,8 +48,6 @@ def read_picture(path: Path) -> np.ndarray:
     QuadshadeError
       No such file, not a picture, a damaged one, or one with more than 8 bits a channel.
     """
-    if not path.is_file():
-        raise QuadshadeError(f"no such file: {path}", "check the path")
     try:
         with Image.open(path) as image:
             # Pillow reads a PNG of 16 bits as one of 8; only the file's own layout tells.
@@ -59,5 +57,9 @@ def read_picture(path: Path) -> np.ndarray:
             return np.asarray(image.convert("RGB"))
     except UnidentifiedImageError:
         raise QuadshadeError(f"{path} is no picture", "give a PNG file") from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+    except OSError as error:
+        if error.strerror is None:
+            raise QuadshadeError(f"cannot read {path}: {error}", "the file is damaged") from None
+        raise QuadshadeError(f"cannot read {path}: {error.strerror}", "give a PNG file") from None
+    except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise QuadshadeError(f"cannot read {path}: {error}", "the file is damaged") from None

@@ -340,5 +340,5 @@ def read_frame_file(path: Path) -> FrameFile:
     try:
         data = Path(path).read_bytes()
     except OSError as error:
-        raise QuadshadeError(f"cannot read {path}: {error.strerror}", "is it there?") from None
+        raise QuadshadeError(f"cannot read {path}: {error.strerror}", "give a .qs file") from None
     return decode_frame_file(data, str(path))

@@ -19,12 +19,12 @@ from quadshade.errors import QuadshadeError
 from quadshade.files.triangle_file import open_triangles
 from quadshade.golden.screen.edge_map import edge_map
 from quadshade.packing.frame_file import read_frame_file
-from quadshade.rendering.draw import adapt_note
+from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, shade_scene, show_scene
-from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, hatch, sample_normals
+from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
 
@@ -178,12 +178,12 @@ def style_on_board(
     """
     choice, verify = settings.style, settings.port.verify
     height, width = picture.shape[:2]
-    if choice.style == "hatch":
+    if choice.style in ("hatch", "cartoon"):
         if board.formats.with_depth:
             drawn = board.read_depth(width, height, verify) < (1 << board.formats.depth_bits) - 1
         else:
             drawn = (picture != np.array(scene.ground)).any(axis=2)
-        picture = hatch(picture, drawn, scene.ground)
+        picture = draw_tones(choice.style, picture, drawn, scene.ground)
     if not choice.kinds:
         return picture
     edges = _edges(settings, scene, board, reports)

@@ -168,11 +168,10 @@ def draw_style(
     stats : dict or None
       Of the G-buffer's pass, if there was one.
     """
-    from quadshade.style import draw_edges, draw_gbuffer, find_edges, hatch
+    from quadshade.style import draw_edges, draw_gbuffer, find_edges
 
     choice = settings.style
-    if choice.style == "hatch":
-        picture = hatch(picture, shown >= 0, scene.ground)
+    picture = draw_tones(choice.style, picture, shown >= 0, scene.ground)
     if not choice.needs_gbuffer:
         return picture, None
     formats = Formats().with_generics({**settings.scene.set_generics, "num_channels": 3, "with_shade": 0})
@@ -184,8 +183,37 @@ def draw_style(
         picture = draw_edges(picture, edges, choice.kinds, choice.colours)
     if choice.gbuffer_path is not None:
         arrays = gbuffer.arrays()
-        write_atomically(choice.gbuffer_path, lambda temporary: np.savez_compressed(temporary, **arrays))
+        write_atomically(
+            choice.gbuffer_path,
+            lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **arrays),
+        )
     return picture, dict(drawing.stats)
+
+
+def draw_tones(
+    style: str, picture: np.ndarray, covered: np.ndarray, ground: tuple[int, int, int]
+) -> np.ndarray:
+    """
+    Strokes in place of tones, or smooth borders between a cartoon's; other pictures as they are.
+
+    Parameters
+    ----------
+    style : str
+    picture : (h, w, 3) uint8
+    covered : (h, w) bool
+      Where something was drawn.
+    ground : 3 ints
+      Background.
+
+    Returns
+    -------
+    (h, w, 3) uint8
+    """
+    from quadshade.style import hatch, smooth_tones
+
+    if style == "hatch":
+        return hatch(picture, covered, ground)
+    return smooth_tones(picture, covered) if style == "cartoon" else picture
 
 
 def adapt_note(shaded: Shaded) -> str:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from quadshade.choices import (
     DEFAULT_SHADING,
+    DEFAULT_SIZE,
     EDGE_KINDS,
     EDGE_VARIANTS,
     GBUFFER_ORDERS,
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     from quadshade.shading.material import Reflectance
 
 COLOUR_CHANNELS = 3
-DEFAULT_SIZE = "512x512"
 
 
 @dataclass(frozen=True)
@@ -219,14 +219,15 @@ class StyleChoice:
         return parse_kinds(self.edges if isinstance(self.edges, str) else ",".join(self.edges))
 
     @cached_property
-    def colours(self) -> dict[str, tuple[float, ...]]:
+    def colours(self) -> dict[str, Sequence[float]]:
         """Colours of edges, 0 .. 1, where they are not the default ones."""
         texts = self.edge_colours
         if isinstance(texts, Mapping):
             texts = [f"{kind}={','.join(map(str, colour))}" for kind, colour in texts.items()]
-        inks = {}
+        inks: dict[str, Sequence[float]] = {}
         for text in [texts] if isinstance(texts, str) else texts:
             kind, _, value = text.partition("=")
+            numbers: tuple[float, ...]
             try:
                 numbers = tuple(float(number) for number in value.split(","))
             except ValueError:

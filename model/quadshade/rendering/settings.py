@@ -95,7 +95,14 @@ class RenderSettings:
         unknown = keywords.keys() - {one.name for kind in kinds for one in fields(kind)}
         if unknown:
             raise TypeError(f"there is no keyword {', '.join(sorted(unknown))}")
-        return cls(*(collect(kind, keywords) for kind in kinds))
+        return cls(
+            collect(SceneChoice, keywords),
+            collect(SetupChoice, keywords),
+            collect(AdaptChoice, keywords),
+            collect(StyleChoice, keywords),
+            collect(EngineChoice, keywords),
+            collect(PortChoice, keywords),
+        )
 
     def of_scene(self, **changes: Any) -> RenderSettings:
         """The same settings with some of the scene's replaced."""

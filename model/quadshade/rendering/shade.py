@@ -81,6 +81,8 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     surface, ground = _material(choice), choice.ground
     reports.step(f"reading {choice.name}")
     mesh = _mesh(choice)
+    for note in mesh.notes:
+        reports.notice(f"{choice.name}: {note}")
     camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
     if not formats.with_depth:
@@ -100,7 +102,14 @@ def _mesh(choice: SceneChoice) -> Mesh:
         mesh = choice.scene
         if choice.crease is None:
             return mesh
-        return build_mesh(mesh.vertices, mesh.faces, crease=choice.crease, colours=mesh.colours)
+        return build_mesh(
+            mesh.vertices,
+            mesh.faces,
+            crease=choice.crease,
+            colours=mesh.colours,
+            double_sided=mesh.double_sided,
+            notes=mesh.notes,
+        )
     return mesh_from_trimesh(choice.scene, choice.crease)
 
 
@@ -111,8 +120,9 @@ def _material(choice: SceneChoice) -> Material:
         reflectance = load_reflectance(reflectance)
     if isinstance(choice.material, str):
         return parse_material(choice.material, choice.exponent, reflectance)
-    changes = {} if choice.exponent is None else {"exponent": choice.exponent}
-    material = replace(choice.material, **changes)
+    material = choice.material
+    if choice.exponent is not None:
+        material = replace(material, exponent=choice.exponent)
     return material if reflectance is None else replace(material, reflectance=reflectance)
 
 

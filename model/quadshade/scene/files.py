@@ -41,7 +41,9 @@ def load_scene(scene: str | Path, crease: float | None = None) -> Mesh:
     name = str(scene)
     if path.suffix.lower() not in SUFFIXES and (":" in name or not path.exists()):
         if ":" not in name:
-            raise QuadshadeError(f"no such file or scene: {name}", f"give a mesh file, or one of {EXAMPLES}")
+            raise QuadshadeError(
+                f"cannot read {name}: no such file or scene", f"give a mesh file, or one of {EXAMPLES}"
+            )
         mesh = generate(name)
         return mesh if crease is None else build_mesh(mesh.vertices, mesh.faces, crease=crease)
     return load_mesh(path, crease)
@@ -54,9 +56,9 @@ def load_mesh(path: Path, crease: float | None = None) -> Mesh:
     Parameters and errors as for :func:`load_scene`.
     """
     if not path.is_file():
-        what = "is no file" if path.exists() else "does not exist"
-        what = "is a folder, not a file" if path.is_dir() else what
-        raise QuadshadeError(f"{path} {what}", "give a mesh file")
+        what = "it is no file" if path.exists() else "No such file or directory"
+        what = "it is a folder" if path.is_dir() else what
+        raise QuadshadeError(f"cannot read {path}: {what}", "give a mesh file")
     if path.suffix.lower() not in SUFFIXES:
         raise QuadshadeError(f"{path} is no mesh file", f"give one of {', '.join(SUFFIXES)}")
     try:

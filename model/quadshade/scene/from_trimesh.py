@@ -62,7 +62,7 @@ def _corner_colours(given: trimesh.Trimesh, faces: np.ndarray) -> np.ndarray | N
     """(n, 3, 3) float64 colours of the faces' corners, 0 .. 1, or None where the object has none."""
     # The types of trimesh's two kinds of visuals have nothing in common; `kind` tells them apart.
     visual: Any = given.visual
-    if not visual.defined:
+    if visual is None or not visual.defined:
         return None
     if visual.kind == "face":
         return np.repeat(visual.face_colors[:, None, :3] / 255.0, 3, axis=1)
