@@ -43,7 +43,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("swept")
     run = trade("torus:288", "-o", folder, "--size", "120x90", "--exponent", "50", "--no-area", *FEW)
     assert run.exit_code == 0, run.output
-    assert "quadshade: LUTs are not counted: not asked for" in run.output
+    assert "quadshade: notice: LUTs are not counted: --no-area leaves synthesis out" in run.output
     return folder
 
 
@@ -202,7 +202,7 @@ def test_a_damaged_point_is_measured_anew(tmp_path: Path, name: str, content: by
     points = tmp_path / "points"
     for other in ("mine", ".git", "flat-22-none-0123456789ab"):
         (points / other).mkdir(parents=True)
-    assert "1 points, 0 from before" in trade(*few).output
+    assert "1 point, 0 from before" in trade(*few).output
     (point,) = points.glob("*-*/record.json")
     whole = {path.name: path.read_bytes() for path in point.parent.iterdir()}
     damaged = point.with_name(name)
@@ -210,9 +210,9 @@ def test_a_damaged_point_is_measured_anew(tmp_path: Path, name: str, content: by
     if content is not None:
         damaged.write_bytes(content)
     run = trade(*few)
-    assert run.exit_code == 0 and "1 points, 0 from before" in run.output
+    assert run.exit_code == 0 and "1 point, 0 from before" in run.output
     assert {path.name: path.read_bytes() for path in point.parent.iterdir()} == whole
-    assert "1 points, 1 from before" in trade(*few).output
+    assert "1 point, 1 from before" in trade(*few).output
     # What is somebody else's stays, a point of another sweep goes.
     assert sorted(path.name for path in points.iterdir()) == [".git", point.parent.name, "mine"]
 
@@ -255,7 +255,7 @@ def test_without_synthesis_there_is_a_notice(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("GHDL", "/nowhere/ghdl")
     run = trade("sphere:168", "-o", tmp_path, "--size", "32x32", *FEW)
     assert run.exit_code == 0, run.output
-    assert "quadshade: LUTs are not counted: " in run.output
+    assert "quadshade: notice: LUTs are not counted: " in run.output
     content = json.loads((tmp_path / "trade.json").read_text())
     assert content["device"] is None
     assert content["notice"]

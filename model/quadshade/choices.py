@@ -49,6 +49,8 @@ PACK_ERROR = 1.0 / 32.0
 
 MEASURES = ("max", "rms")
 UNITS = ("bytes", "clocks")
+COSTS = ("bytes", "clocks", "lut4")
+"""What a sweep's points pay for their error."""
 
 STYLES = ("none", "cartoon", "gooch", "hatch")
 EDGE_KINDS = ("profile", "inner")

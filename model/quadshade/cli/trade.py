@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from quadshade.choices import DEFAULT_SIZE, ENGINES
+from quadshade.choices import COSTS, DEFAULT_SIZE, ENGINES
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import GENERICS_EPILOG, complete_file, generic_option
 from quadshade.cli.render import render
@@ -72,6 +73,17 @@ def _fractions(text: str) -> tuple[int, ...]:
 @click.option("--engine", type=click.Choice(ENGINES), default="model", show_default=True)
 @click.option("--area/--no-area", default=True, show_default=True, help="Count cells by synthesis.")
 @click.option("--device", default="ecp5-25k-6", show_default=True, help="What cells are counted on.")
+@click.option(
+    "--max-error",
+    type=float,
+    metavar="GREY",
+    help="Recommend one point: of those whose largest error is no more, in grey levels, the cheapest.",
+)
+@click.option(
+    "--minimise",
+    type=click.Choice(COSTS),
+    help="What --max-error minimises.  [default: bytes]",
+)
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", help="Measure on a Dask cluster, e.g. tcp://host:8786.")
 @generic_option
@@ -91,6 +103,8 @@ def trade(
     engine: str,
     area: bool,
     device: str,
+    max_error: float | None,
+    minimise: str | None,
     jobs: int | None,
     dask: str | None,
     generics: tuple[str, ...],
@@ -104,8 +118,16 @@ def trade(
     \b
     quadshade trade sphere:374 -o trade --exponent 50
     quadshade trade part.stl --size 256x256 --fractions 12,22 --subdivisions none,centre:4 --no-area
+    quadshade trade sphere:374 --max-error 2 --minimise lut4
     quadshade trade torus:288 --dask tcp://host:8786
     """
+    if minimise is not None and max_error is None:
+        raise QuadshadeError("--minimise is given without an error", "give --max-error too")
+    if max_error is not None and not 0 <= max_error < math.inf:
+        raise QuadshadeError(f"the allowed error is {max_error:g}", "give a number of grey levels from 0")
+    cost = minimise or COSTS[0]
+    if max_error is not None and cost == "lut4" and not area:
+        raise QuadshadeError("--minimise lut4 is given with --no-area", "leave --no-area out")
     with leave_at_once():
         from quadshade.scene.key_values import parse_size
         from quadshade.trade import Grid, View, sweep
@@ -124,21 +146,29 @@ def trade(
     with progress_bars() as progress:
         result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)
     _say(result, output)
+    if max_error is not None:
+        from quadshade.trade.recommend import recommend
+
+        found = recommend(result.records, max_error, cost, view, base)
+        click.echo(f"recommended: {found.record['name']}")
+        for part in found.reason.split("; "):
+            click.echo(f"  {part}")
+        click.echo(f"draw it: {found.command}")
 
 
 def _say(result: Sweep, output: Path) -> None:
-    """What was measured, in a few lines."""
+    """What was measured: counts, and the points that no other beats in bytes and error, as columns."""
+    from quadshade.trade.recommend import table
+
     refused = sum(record["refused"] is not None for record in result.records)
-    counts = f"{len(result.records)} points, {result.reused} from before, {refused} refused"
-    click.echo(f"{output}/trade.json: {counts}")
+    count = len(result.records)
+    points = f"{count} point" if count == 1 else f"{count} points"
+    click.echo(f"{output}/trade.json: {points}, {result.reused} from before, {refused} refused")
     if result.notice:
-        click.echo(f"quadshade: LUTs are not counted: {result.notice}", err=True)
-    said = set()
+        click.echo(f"quadshade: notice: LUTs are not counted: {result.notice}", err=True)
+    shown = {}
     for record in result.records:
-        place = (record["bytes"], record["rms"])
-        if "bytes" in record["pareto"] and place not in said:
-            said.add(place)
-            click.echo(
-                f"{record['name']}: rms {record['rms']:.3f}, "
-                f"{record['bytes']} bytes, {record['clocks']} clocks"
-            )
+        if "bytes" in record["pareto"]:
+            shown.setdefault((record["bytes"], record["rms"]), record)
+    for line in table(sorted(shown.values(), key=lambda record: record["bytes"])):
+        click.echo(line)

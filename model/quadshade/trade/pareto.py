@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from quadshade.choices import COSTS
+
 ERROR = "rms"
-COSTS = ("bytes", "clocks", "lut4")
-"""What is paid for the error, pair by pair."""
 
 
 def pareto_front(cost: Sequence[float], error: Sequence[float]) -> np.ndarray:

@@ -27,6 +27,8 @@ from quadshade.trade.view import Stage, View, stage
 from quadshade.trade.workers import workers
 
 POINTS = "points"
+NO_AREA = "--no-area leaves synthesis out"
+"""The notice where nobody wants cells."""
 CELLS = ("lut4", "ff", "bram", "dsp")
 Progress = Callable[[str, int, int], None]
 """Called with what is done (``points`` or ``cores``), how many of it are done, and of how many."""
@@ -117,7 +119,7 @@ def sweep(
     """
     base = Formats() if base is None else base
     tell = progress or (lambda *_: None)
-    notice = no_tools(device) if area else "not asked for"
+    notice = no_tools(device) if area else NO_AREA
     # Everything that can be refused is refused before the work.
     configurations = [point.formats(base, view.num_lights) for point in grid]
     stages = _stages(view, grid, base)
