@@ -5,34 +5,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
+from PIL import Image
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial, SimpleMaterial
 
-from quadshade.contract.formats import Formats
-from quadshade.engine import draw
+import quadshade
 from quadshade.errors import QuadshadeError
-from quadshade.image import paint, visible
-from quadshade.scene import Mesh, load_scene, parse_camera, project
-from quadshade.shading import AmbientLight, Material, sample
-from tests.support.mesh_cases import Case, Colour
-from tests.support.mesh_cases_gltf import FILES, GLTF
-from tests.support.mesh_cases_text import GIVEN_FILES, OBJ, OFF, PLY, STL
-
-CASES = (*GIVEN_FILES, *OBJ, *PLY, *OFF, *STL, *GLTF, *FILES)
-SIZE = 64
+from quadshade.scene import load_scene
+from quadshade.scene.from_trimesh import mesh_from_trimesh
+from tests.support.mesh_pictures import CASES, lit_pixels
 
 
-def lit_pixels(mesh: Mesh, case: Case, cull: bool = True) -> dict[Colour, int]:
-    """Pixels by colour that are not black, in ambient light alone."""
-    projected = project(mesh, parse_camera(case.camera, mesh), SIZE, SIZE, cull=cull)
-    ones, zeros = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
-    given = tuple(level / 255 for level in case.given)
-    material = Material(given, diffuse=zeros, ambient=ones, specular=zeros)
-    pixels = draw(sample(projected, "quadratic", (AmbientLight(ones),), material), Formats()).pixels
-    picture = paint(visible(pixels, SIZE, SIZE), pixels.value, (0, 0, 0)).reshape(-1, 3)
-    colours, counts = np.unique(picture[picture.any(axis=1)], axis=0, return_counts=True)
-    return {tuple(c): int(n) for c, n in zip(colours.tolist(), counts, strict=True)}
-
-
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_what_is_drawn_is_what_the_file_says(tmp_path, case):
     path = case.write(tmp_path)
     if case.lit is None:
@@ -47,6 +32,42 @@ def test_what_is_drawn_is_what_the_file_says(tmp_path, case):
         assert any(case.note in note for note in mesh.notes)
     else:
         assert mesh.notes == ()
+
+
+def test_what_a_picture_does_not_show_is_a_notice(tmp_path):
+    path = CASES["points_and_lines.obj"].write(tmp_path)
+    asked = {"size": (16, 16), "engine": "model"}
+    with pytest.warns(UserWarning, match="points_and_lines.obj: 1 line element not drawn"):
+        picture = quadshade.render(path, **asked)
+    assert picture.notes == tuple(f"{path}: 1 {kind} element not drawn" for kind in ("point", "line"))
+    # A crease changes the normals and nothing else.
+    mesh = load_scene(path)
+    with pytest.warns(UserWarning, match="not drawn"):
+        assert quadshade.render(mesh, crease=30.0, **asked).notes[0].endswith("1 point element not drawn")
+
+
+def test_a_near_plane_too_close_for_depth_is_a_notice():
+    with pytest.warns(UserWarning, match="16 bits of depth resolve only"):
+        quadshade.render("cube:1", size=(16, 16), engine="model", camera="eye=0,0,3,target=0,0,0,near=0.0001")
+
+
+@pytest.mark.parametrize(
+    ("material", "colour"),
+    [
+        (PBRMaterial(), (1, 1, 1)),
+        (PBRMaterial(baseColorFactor=[255, 51, 0, 255]), (1, 0.2, 0)),
+        (PBRMaterial(metallicFactor=0.0, doubleSided=True), (1, 1, 1)),
+        (SimpleMaterial(diffuse=[0, 255, 0, 255]), (0, 1, 0)),
+        (PBRMaterial(baseColorTexture=Image.new("RGB", (4, 4), (0, 0, 255))), (0, 0, 1)),
+        (SimpleMaterial(image=Image.new("L", (4, 4), 51), diffuse=[255, 0, 0, 255]), (0.2, 0, 0)),
+    ],
+)
+def test_materials_of_trimesh_are_those_of_files(material, colour):
+    shape = trimesh.creation.box()
+    shape.visual = TextureVisuals(uv=np.full((8, 2), 0.4), material=material)
+    mesh = mesh_from_trimesh(shape)
+    assert np.allclose(mesh.colours, colour)
+    assert (mesh.double_sided is not None) == bool(getattr(material, "doubleSided", False))
 
 
 HOSTILE = (
@@ -71,8 +92,7 @@ def damaged(content: bytes) -> list[bytes]:
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_damaged_file_is_a_mesh_or_one_clear_error(tmp_path, name):
-    (case,) = (case for case in CASES if case.name == name)
-    path = case.write(tmp_path)
+    path = CASES[name].write(tmp_path)
     meshes = errors = 0
     for content in damaged(path.read_bytes()):
         path.write_bytes(content)
@@ -87,7 +107,3 @@ def test_a_damaged_file_is_a_mesh_or_one_clear_error(tmp_path, name):
             meshes += 1
             assert len(mesh) and np.isfinite(mesh.corners).all() and np.isfinite(mesh.normals).all()
     assert meshes and errors
-
-
-def test_the_cases_have_names_of_their_own():
-    assert len({case.name for case in CASES}) == len(CASES)

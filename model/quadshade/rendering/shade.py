@@ -81,10 +81,10 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     surface, ground = _material(choice), choice.ground
     reports.step(f"reading {choice.name}")
     mesh = _mesh(choice)
-    for note in mesh.notes:
-        reports.notice(f"{choice.name}: {note}")
     camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
+    for note in (*(f"{choice.name}: {text}" for text in mesh.notes), *projected.notes):
+        reports.notice(note)
     if not formats.with_depth:
         projected = projected.back_to_front()
     if settings.style.style == "gooch":
