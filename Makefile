@@ -140,6 +140,10 @@ adapt: setup ## adaptive pictures beside fixed choices, error against bytes; wri
 shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
 	@$(VENV) -m scripts.experiments.shade_table
 
+.PHONY: mesh-readers
+mesh-readers: setup ## readers of mesh files over the tests' cases; writes docs/reports/mesh_readers.md
+	@$(VENV) -m scripts.experiments.mesh_readers
+
 .PHONY: edges
 edges: setup ## edge maps against the mesh's edges; docs/reports/edges.md, docs/images/styles.png
 	@$(VENV) -m scripts.experiments.edges.report
