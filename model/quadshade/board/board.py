@@ -111,6 +111,8 @@ class Board(BoardReader):
             seconds = answer_seconds or self._port.answer_seconds
             self.session = Session(line, seconds, trace=trace, reopen=self._reopen)
             self._port.agree(self.session)
+            # A simulated board has been compiled by now, which is no part of a rate.
+            self._start = time.monotonic()
             self.identity = self.session.identity
             names = Formats().generics()
             self.formats = Formats(**{name: self.identity[name] for name in names})

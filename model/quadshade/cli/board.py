@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from quadshade.choices import BOARD_ENGINES
+from quadshade.cli.terminal import notice
 from quadshade.contract.formats import parse_generics
 from quadshade.errors import QuadshadeError
 
@@ -64,6 +65,7 @@ def board(
     """
     from quadshade.board.endpoints import PtyLine, TcpLine, tcp_address
     from quadshade.board.engines import board_engine, start_engine
+    from quadshade.board.large_screen import large_screen_notice
     from quadshade.board.settings import board_settings
     from quadshade.board.simulated import SimulatedBoard
     from quadshade.scene.key_values import parse_size
@@ -74,6 +76,8 @@ def board(
     size = None if screen is None else parse_size(screen)
     settings = board_settings(preset, size, parse_generics(generics), shade)
     name = board_engine(engine)
+    if text := large_screen_notice(settings, name):
+        notice(text)
     # The line first: a path or a port that cannot be had is said before anything is compiled.
     line = PtyLine(pty, settings.baud) if address is None else TcpLine(address[1], address[0])
     try:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import sys
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -14,6 +16,9 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
     from quadshade.rendering.settings import Reports
+
+QUIET_SECONDS = 2.0
+"""A step that takes longer is said where there is no terminal."""
 
 UNITS = {"drawing": "triangles/s", "reading": "pixels/s"}
 
@@ -44,14 +49,23 @@ def say_statistics(figures: Mapping[str, float]) -> None:
 
 @contextmanager
 def reporting() -> Iterator[Reports]:
-    """Reports to stderr: notices, and where it is a terminal a spinner, then a bar while a board draws."""
+    """
+    Reports to stderr: notices, and what is being done.
+
+    On a terminal that is a spinner, then a bar while a board draws; elsewhere a line for a step that takes
+    longer than ``QUIET_SECONDS``.
+    """
     from rich.console import Console
 
     from quadshade.rendering.settings import Reports
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield Reports(notice=notice)
+        lines = _Lines()
+        try:
+            yield Reports(notice, lines.step, lines.progress)
+        finally:
+            lines.stop()
         return
     live = _Live(console)
     try:
@@ -60,11 +74,40 @@ def reporting() -> Iterator[Reports]:
         live.stop()
 
 
+class _Lines:
+    """A line for a step that takes long, where a spinner would fill a log."""
+
+    def __init__(self) -> None:
+        self._timer: threading.Timer | None = None
+        self._text = ""
+
+    def step(self, text: str) -> None:
+        self.stop()
+        self._text = text
+        self._timer = threading.Timer(QUIET_SECONDS, self._say, [text])
+        self._timer.daemon = True
+        self._timer.start()
+
+    def progress(self, what: str, done: float, total: float, sent: int) -> None:
+        text = f"{what} on the board"
+        if text != self._text:
+            self.step(text)
+
+    def stop(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+    @staticmethod
+    def _say(text: str) -> None:
+        # Not click.echo: a timer's thread has no context of click.
+        print(f"quadshade: {text} ...", file=sys.stderr, flush=True)
+
+
 class _Live:
     """A spinner until a board draws, then a bar with triangles or pixels, and bytes, a second."""
 
     def __init__(self, console: Console) -> None:
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
         self._status = console.status("")
         self._bar = Progress(
@@ -72,6 +115,7 @@ class _Live:
             BarColumn(),
             TextColumn("{task.fields[rate]}"),
             TimeElapsedColumn(),
+            TimeRemainingColumn(),
             console=console,
             transient=True,
         )

@@ -14,7 +14,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.sources import repository_root, rtl_files
-from quadshade.engine.tool_runner import INSTALL_OR_MODEL, run_tool, tool_command
+from quadshade.engine.tool_runner import INSTALL_OR_MODEL, announce, run_tool, tool_command
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_atomically
 from quadshade.golden.compiled import EmittedPixels
@@ -28,6 +28,7 @@ def analyse(root: Path, testbench: str = TESTBENCH) -> Path:
     sources = [*rtl_files(root), root / "sim" / f"{testbench}.vhd"]
 
     def make(library: Path) -> None:
+        announce("analysing the VHDL for GHDL, once for this state of it")
         run_tool([*ghdl, "-a", "--std=08", f"--workdir={library}", *sources], library, INSTALL_OR_MODEL)
 
     key = build_key(*ghdl, os.environ.get("GHDL_BACKEND", ""), *sources)

@@ -24,6 +24,11 @@ TOOLS = {"GHDL": "ghdl", "VERILATOR": "verilator", "CXX": "g++"}
 """Environment variables that replace a program's command, arguments included, and the usual command."""
 
 
+def announce(text: str) -> None:
+    """Say on standard error what begins now and takes seconds, to a terminal and to a log alike."""
+    print(f"quadshade: {text} ...", file=sys.stderr, flush=True)
+
+
 def tool_command(variable: str) -> list[str]:
     """
     The command of a program that an environment variable can replace: ``CXX="ccache g++ -m64"`` for example.

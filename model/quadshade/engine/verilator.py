@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import shlex
 import shutil
-import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,6 +19,7 @@ from quadshade.engine.simplify_netlist import fold
 from quadshade.engine.sources import repository_root
 from quadshade.engine.tool_runner import (
     INSTALL_OR_MODEL,
+    announce,
     missing_tool,
     run_tool,
     tool_command,
@@ -122,8 +122,7 @@ def compile_netlist(
     command += ["-MAKEFLAGS", f"{MAKE_FLAGS} {_make_settings(compiler)}"]
 
     def make(folder: Path) -> None:
-        if sys.stderr.isatty():
-            print(f"compiling {what} for Verilator, once for these generics ...", file=sys.stderr)
+        announce(f"compiling {what} for Verilator, once for these generics")
         # Not below the checkout, whose path is the user's, and by bare names: Verilator's make file refuses a
         # folder with a blank and takes no file with a blank or a sign.
         with tempfile.TemporaryDirectory(prefix="quadshade-") as scratch:

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.board import Board, BoardSettings
+from quadshade.board.engines import board_engine
+from quadshade.board.large_screen import large_screen_notice
 from quadshade.board.settings import board_settings
 from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error
 from quadshade.contract.formats import Formats
@@ -58,6 +60,11 @@ def opened(
     if isinstance(port.port, Board):
         yield port.port
         return
+    if port.is_simulated and settings is not None:
+        simulator = board_engine(engine.engine)
+        if text := large_screen_notice(settings, simulator):
+            reports.notice(text)
+        reports.step(f"starting a simulated board in {simulator}")
     board = Board(
         port.port,
         port.baud,
