@@ -188,7 +188,10 @@ def adapt(
         projected, lights, material, formats,
         measure=measure, verify=verify, shading=shading, specular=specular,
     )  # fmt: skip
-    return curve.for_error(max_error) if max_error is not None else curve.for_budget(budget, unit)
+    if budget is not None:
+        return curve.for_budget(budget, unit)
+    assert max_error is not None
+    return curve.for_error(max_error)
 
 
 def _shader(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -125,7 +126,7 @@ def _gain_rms(chosen: Choice, halves: Choice, pixels: np.ndarray, price: float) 
     return now[:, None] - (left * (pixels / 2)[:, None, None] + price * halves.words).sum(axis=2)
 
 
-def _marks(surface: Surface, decision: Decision) -> tuple:
+def _marks(surface: Surface, decision: Decision) -> tuple[Any, ...]:
     """Edges of the surface, and which of them to split: for each triangle the one that saves most."""
     edges = shared_edges(surface.projected.vertices)
     total = np.bincount(edges.index.ravel(), decision.gain.ravel(), minlength=len(edges))

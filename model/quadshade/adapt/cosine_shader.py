@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
 from quadshade.adapt.part_memory import Assessed
-from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, shape_functions, weighted_fit
+from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions, weighted_fit
 from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
 from quadshade.adapt.small_triangles import Places
 from quadshade.contract.formats import Formats
@@ -69,31 +70,43 @@ class CosineShader(Shader):
         """See :meth:`Shader.fit`; errors are (n, k), of halves (n, 3, 2, k), of (n, k, channels) options."""
         count, orders = len(projected), len(self.orders)
         found = self._chunks(projected, slice(None), lambda part, _: self._halves(part))
-        options = LEVELS if self.combinations is None else len(self.combinations)
+        num_options = LEVELS if self.combinations is None else len(self.combinations)
         # Of a triangle without a pixel everything stays 0.
         found["samples"] = np.zeros((count, len(self.place), orders, 6))
-        found["options"] = np.zeros((count, options, len(self.place)), dtype=np.int64)
-        found["errors"] = np.zeros((count, options))
+        found["options"] = np.zeros((count, num_options, len(self.place)), dtype=np.int64)
+        found["errors"] = np.zeros((count, num_options))
         large = np.ones(count, dtype=bool)
         large[places.rows], large[places.pixels == 0] = False, False
         everywhere = np.ones((1, len(POINTS)), dtype=bool)
-        fits = [(projected, np.flatnonzero(large), POINTS, None, everywhere, NODES)]
-        for rows, points, whole, used in places.groups():
-            fits.append((self.whole.ordered(root), rows, points, whole, used, None))
-        for lit, rows, points, whole, used, nodes in fits:
 
-            def work(part: Projected, at: slice, points=points, whole=whole, used=used, nodes=nodes) -> dict:
-                if whole is None:
-                    return self._fitted(part, points, points, used, nodes)
-                return self._fitted(part, whole[at], points[at], used[at], nodes)
-
-            for key, values in self._chunks(lit, rows, work).items():
+        def keep(rows: np.ndarray, fitted: dict[str, np.ndarray]) -> None:
+            for key, values in fitted.items():
                 found[key][rows] = values
+
+        rows = np.flatnonzero(large)
+        keep(
+            rows,
+            self._chunks(
+                projected, rows, lambda part, _: self._fitted(part, POINTS, POINTS, everywhere, NODES)
+            ),
+        )
+        for rows, points, whole, used in places.groups():
+
+            def work(
+                part: Projected,
+                at: slice,
+                points: np.ndarray = points,
+                whole: np.ndarray = whole,
+                used: np.ndarray = used,
+            ) -> dict[str, np.ndarray]:
+                return self._fitted(part, whole[at], points[at], used[at], None)
+
+            keep(rows, self._chunks(self.whole.ordered(root), rows, work))
         half, options = found.pop("half"), found["options"]
         found["halves"] = np.zeros((*half.shape[:3], options.shape[1]))
         for channel in range(len(self.place)):
-            orders = options[:, None, None, :, channel]
-            found["halves"] += np.take_along_axis(half[..., channel, :], orders, axis=-1)
+            chosen = options[:, None, None, :, channel]
+            found["halves"] += np.take_along_axis(half[..., channel, :], chosen, axis=-1)
         bounds = self.rounding_bounds(projected, found["samples"][:, :, -1])
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
@@ -157,7 +170,7 @@ class CosineShader(Shader):
         places: np.ndarray,
         points: np.ndarray,
         used: np.ndarray,
-        nodes: list | None = None,
+        nodes: list[Any] | None = None,
     ) -> dict[str, np.ndarray]:
         """
         The best polynomials at points of triangles, and how far colours are off with each option.
@@ -179,7 +192,7 @@ class CosineShader(Shader):
             shape_functions(points, order).reshape(-1, points.shape[-2], NUM_DIFFERENCES[order])
             for order in self.orders
         ]
-        fits = []
+        fits: list[list[Fit]] = []
         for channel in channels:
             fits.append([])
             for order, shape in zip(self.orders, shapes, strict=True):

@@ -49,7 +49,8 @@ def error_limits(full: float) -> np.ndarray:
     (k,) float64
       Output units, round numbers but for the first; the last is a little more than the output's rounding.
     """
-    rising, scale = [], 1.0
+    rising: list[float] = []
+    scale = 1.0
     while scale < full:
         for low, high, step in _MANTISSAS[bool(rising) :]:
             rising += [scale * (low + index * step) for index in range(round((high - low) / step))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,7 +82,7 @@ class Adapted:
     formats: Formats
     rival: Rival | None = None
 
-    def mix(self) -> dict:
+    def mix(self) -> dict[str, Any]:
         """Counts for reports: shading, triangles sent, divided ones, and triangles and channels by order."""
         orders, names = self.triangles.orders, self.triangles.channels
         highest = np.bincount(orders.max(axis=1, initial=0), minlength=len(ORDER_NAMES))

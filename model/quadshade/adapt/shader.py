@@ -197,7 +197,8 @@ class ColourShader(Shader):
         projected: Projected,
         measure: str = "max",
     ) -> None:
-        got = (Formats() if formats is None else formats).num_channels
+        formats = Formats() if formats is None else formats
+        got = formats.num_channels
         if got < len(CHANNELS) or (got > len(CHANNELS) and not formats.with_shade):
             raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
         super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))

@@ -8,7 +8,7 @@ blended, so each can have a colour of its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +100,7 @@ def draw_edges(
     picture: np.ndarray,
     maps: EdgeMaps,
     kinds: Sequence[str] = EDGE_KINDS,
-    colours: dict[str, Sequence[float]] | None = None,
+    colours: Mapping[str, Sequence[float]] | None = None,
 ) -> np.ndarray:
     """
     Blend edges over a picture, inner edges first.

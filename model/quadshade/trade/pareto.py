@@ -3,17 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from quadshade.choices import COSTS
 
 ERROR = "rms"
 
 
-def pareto_front(cost: Sequence[float], error: Sequence[float]) -> np.ndarray:
+def pareto_front(cost: npt.ArrayLike, error: npt.ArrayLike) -> np.ndarray:
     """
     Points that no other point beats: none costs no more and errs no more, and less in one of both.
 

@@ -20,7 +20,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_atomically, write_bytes, write_json
 from quadshade.trade.area import DEVICE, count_cells, no_tools
 from quadshade.trade.grid import Grid, Point
-from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, measure, png
+from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, Measured, measure, png
 from quadshade.trade.pareto import COSTS, mark_pareto
 from quadshade.trade.store import forget_others, point_key, stage_digest, store, stored
 from quadshade.trade.view import Stage, View, stage
@@ -133,6 +133,7 @@ def sweep(
         records = []
         for point, formats in zip(grid, configurations, strict=True):
             record = stored(folder / POINTS, keys[point])
+            assert record is not None, "a point was just measured"
             record |= {name: cells.get(formats, {}).get(name) for name in CELLS}
             drawn = record["refused"] is None
             record["picture"] = f"{POINTS}/{keys[point]}/picture.png" if drawn else None
@@ -189,7 +190,7 @@ def _measure_missing(
     return reused
 
 
-def _measure_named(point: Point, key: str, place: Stage, base: Formats, engine: str):
+def _measure_named(point: Point, key: str, place: Stage, base: Formats, engine: str) -> tuple[str, Measured]:
     return key, measure(point, place, base, engine)
 
 
@@ -218,7 +219,7 @@ def _write_references(stages: dict[str, Stage], folder: Path) -> dict[str, str]:
 
 def _write(folder: Path, result: Sweep) -> None:
     """``trade.json`` and ``trade.csv``, each whole or not at all."""
-    columns = (
+    columns: tuple[str, ...] = (
         "name",
         "shading",
         "order",

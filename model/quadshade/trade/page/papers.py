@@ -71,7 +71,9 @@ def abbas_table(resources: dict[str, Any] | None) -> list[dict[str, Any]]:
     resources : dict or None
       ``synth/resources.json``.
     """
-    rows = [{"what": "Abbas et al.", "device": "XCV300-6", "mhz": 1000 / ABBAS_NS, "ns_per_pixel": ABBAS_NS}]
+    rows: list[dict[str, Any]] = [
+        {"what": "Abbas et al.", "device": "XCV300-6", "mhz": 1000 / ABBAS_NS, "ns_per_pixel": ABBAS_NS}
+    ]
     rows += [
         {
             "what": f"{row['name']}, {Formats().with_generics(row['generics']).stream_width}-bit stream",

@@ -52,5 +52,6 @@ def summary(trade: dict[str, Any]) -> dict[str, Any]:
     steps = {}
     for name in ("psnr", "bytes_per_triangle", "lut4", "clocks_per_pixel"):
         values = [None if index is None else points[index][name] for index in (one, other)]
-        steps[name] = None if None in values else values[1] - values[0]
+        gouraud, quadratic = values
+        steps[name] = None if gouraud is None or quadratic is None else quadratic - gouraud
     return {"fraction": fraction, "rows": rows, "steps": steps}
