@@ -2,9 +2,9 @@
 """
 Boards: the API to one (``Board``), and simulated ones.
 
-``ports`` is the way to a board, ``fit`` what the host does for one that lacks something; ``settings`` are
-the generics of a simulated board, ``engines`` what runs, ``lines`` its end of the line, ``simulated`` joins
-them. ``docs/guide/board_api.md`` is the description.
+``ports`` opens the line to a board, ``readback`` reads its planes, ``fallbacks`` replaces what it lacks.
+A simulated board has its generics from ``settings``; ``engines`` runs the design, ``endpoints`` is its end of
+the line, and ``simulated`` joins the two. ``docs/guide/board_api.md`` describes the use.
 """
 
 from quadshade.board.board import Board

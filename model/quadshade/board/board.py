@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from quadshade.board.fallbacks import fit_channels, grey, host_formats, painters_order
+from quadshade.board.fallbacks import grey, host_formats, matched_channels, painters_order
 from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
@@ -265,17 +265,17 @@ class Board(BoardReader):
           The picture is larger than the screen, or the triangles have channels that the board cannot draw.
         """
         self._check_size(triangles.width, triangles.height)
-        fitted, notices = fit_channels(triangles, self.formats)
-        if self.formats.with_depth == 0 and fitted.depth is not None:
-            fitted = painters_order(fitted)
-            notices += self._painters_notice(fitted, limit, setup)
-            fitted = replace(fitted, depth=None)
+        matched, notices = matched_channels(triangles, self.formats)
+        if self.formats.with_depth == 0 and matched.depth is not None:
+            matched = painters_order(matched)
+            notices += self._painters_notice(matched, limit, setup)
+            matched = replace(matched, depth=None)
         for text in notices:
             self._notice(text)
-        if fitted.shade is not None:
-            self.state(fitted.shade)
-        primitives = setup_triangles(fitted, self.formats, limit=limit, **setup)
-        words = pack_primitives(primitives, self.formats, pack_error, fitted.shade).words
+        if matched.shade is not None:
+            self.state(matched.shade)
+        primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
+        words = pack_primitives(primitives, self.formats, pack_error, matched.shade).words
         self.send(words, len(triangles))
 
     def send(self, words: np.ndarray, triangles: int = 0) -> None:

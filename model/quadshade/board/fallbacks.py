@@ -41,7 +41,7 @@ def grey(picture: np.ndarray) -> np.ndarray:
     return picture @ LUMINANCE[:, None]
 
 
-def fit_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[ScreenTriangles, list[str]]:
+def matched_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[ScreenTriangles, list[str]]:
     """
     The triangles with the board's channels and orders.
 
