@@ -30,8 +30,8 @@ def test_anything_else_is_refused(text: str) -> None:
 
 
 def test_unknown_names_are_refused() -> None:
-    with pytest.raises(AttributeError, match="word_widht"):
-        evaluate("word_widht + 1", Formats())
+    with pytest.raises(AttributeError, match="word_breadth"):
+        evaluate("word_breadth + 1", Formats())
     with pytest.raises(AttributeError):
         Formats().word_lanes  # noqa: B018
 
