@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -166,7 +166,7 @@ def _say(result: Sweep, output: Path) -> None:
     click.echo(f"{output}/trade.json: {points}, {result.reused} from before, {refused} refused")
     if result.notice:
         click.echo(f"quadshade: notice: LUTs are not counted: {result.notice}", err=True)
-    shown = {}
+    shown: dict[tuple[int, float], dict[str, Any]] = {}
     for record in result.records:
         if "bytes" in record["pareto"]:
             shown.setdefault((record["bytes"], record["rms"]), record)

@@ -176,9 +176,9 @@ def table(records: Sequence[dict[str, Any]]) -> list[str]:
     lines = []
     for row in rows:
         # Names to the left, numbers to the right.
-        cells = [
+        padded = [
             cell.ljust(width) if column < 2 else cell.rjust(width)
             for column, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
-        lines.append("  ".join(cells).rstrip())
+        lines.append("  ".join(padded).rstrip())
     return lines

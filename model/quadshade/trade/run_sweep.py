@@ -15,13 +15,14 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
+from quadshade.choices import COSTS
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_atomically, write_bytes, write_json
 from quadshade.trade.area import DEVICE, count_cells, no_tools
 from quadshade.trade.grid import Grid, Point
 from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, Measured, measure, png
-from quadshade.trade.pareto import COSTS, mark_pareto
+from quadshade.trade.pareto import mark_pareto
 from quadshade.trade.store import forget_others, point_key, stage_digest, store, stored
 from quadshade.trade.view import Stage, View, stage
 from quadshade.trade.workers import workers
