@@ -108,6 +108,8 @@ def _fingerprint(unit: Unit, window: Window) -> str:
 def _svg(unit: Unit, window: Window, values: dict[str, list[str]]) -> str:
     """The picture, without WaveDrom's own style: the site's has the colours and the font."""
     first = _first_clock(window, values)
+    if first + window.clocks > len(values["clk"]):
+        raise QuadshadeError(f"{unit.name}: the diagram ends after the simulation", "simulate more clocks")
     shown = [port for port in unit.ports if port.name != "clk"]
     if window.ports:
         by_name = {port.name: port for port in unit.ports}
