@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
 
+from quadshade.errors import QuadshadeError
 from scripts.docs.entity import ROOT
 from scripts.docs.site import build_site
 from scripts.docs.timing_diagram import diagram
@@ -21,7 +23,11 @@ from scripts.docs.timing_diagram import diagram
 )
 def main(output: Path) -> None:
     """Build the documentation from docs/, the RTL, the docstrings and the command line."""
-    build_site(output, diagram)
+    try:
+        build_site(output, diagram)
+    except (QuadshadeError, FileNotFoundError) as problem:
+        click.echo(f"docs: error: {problem}", err=True)
+        sys.exit(2)
     click.echo(f"{output}: python3 -m http.server -d {output} 8000, then http://localhost:8000/")
 
 

@@ -7,6 +7,7 @@ The test drives the RTL as in `make test`; the simulation only ends earlier, and
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import fcntl
 import json
@@ -20,12 +21,13 @@ from cocotb_tools.runner import get_runner
 
 from cocotb_tests.support.bench import PERIOD_NS
 from cocotb_tests.support.simulation import module_of
+from quadshade.engine.build_cache import build_key
 from quadshade.engine.sources import rtl_files
 from quadshade.errors import QuadshadeError
 from scripts.docs.entity import ROOT, Unit
 
-LIBRARY = ROOT / "build" / "docs_waves"
-"""GHDL's library, shared by all units: each file is analysed once."""
+WAVES = ROOT / "build" / "docs_waves"
+"""A folder for each state of the RTL, with GHDL's library: each file is analysed once for all units."""
 
 FS_PER_CLOCK = PERIOD_NS * 1_000_000
 
@@ -54,16 +56,20 @@ def ports_per_clock(unit: Unit, settings: dict[str, int], test: str, clocks: int
     QuadshadeError
       The simulation did not get that far.
     """
-    LIBRARY.mkdir(parents=True, exist_ok=True)
-    with (LIBRARY / ".lock").open("w") as lock:
+    sources = rtl_files(ROOT)
+    folder = WAVES / build_key(*sources)
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        return _simulated(unit, settings, test, clocks)
+        return _simulated(unit, settings, test, clocks, folder)
 
 
-def _simulated(unit: Unit, settings: dict[str, int], test: str, clocks: int) -> dict[str, list[str]]:
-    """As :func:`ports_per_clock`, in a library that nobody else writes to."""
+def _simulated(
+    unit: Unit, settings: dict[str, int], test: str, clocks: int, folder: Path
+) -> dict[str, list[str]]:
+    """As :func:`ports_per_clock`, in a folder that nobody else writes to."""
     module, config, generics = _as_tested(unit, settings)
-    waves, log = LIBRARY / f"{unit.name}.vcd", LIBRARY / f"{unit.name}.log"
+    waves, log = folder / f"{unit.name}.vcd", folder / f"{unit.name}.log"
     waves.unlink(missing_ok=True)
     runner = get_runner("ghdl")
     options = ["--std=08"]
@@ -72,10 +78,14 @@ def _simulated(unit: Unit, settings: dict[str, int], test: str, clocks: int) -> 
             sources=rtl_files(ROOT),
             hdl_toplevel=unit.name,
             build_args=options,
-            build_dir=LIBRARY,
+            build_dir=folder,
             always=True,
-            log_file=LIBRARY / f"{unit.name}.build.log",
+            log_file=log,
         )
+    except (RuntimeError, SystemExit):
+        raise QuadshadeError(f"{unit.name}: GHDL does not compile it", f"see {log}") from None
+    # A simulation that ends amid its test is a failure to the runner; whether it ran is in the waves.
+    with contextlib.suppress(RuntimeError, SystemExit):
         runner.test(
             test_module=module,
             hdl_toplevel=unit.name,
@@ -87,9 +97,9 @@ def _simulated(unit: Unit, settings: dict[str, int], test: str, clocks: int) -> 
                 f"--vcd={waves}",
                 f"--stop-time={clocks * PERIOD_NS}ns",
             ],
-            build_dir=LIBRARY,
-            test_dir=LIBRARY,
-            results_xml=str(LIBRARY / f"{unit.name}.xml"),
+            build_dir=folder,
+            test_dir=folder,
+            results_xml=str(folder / f"{unit.name}.xml"),
             log_file=log,
             extra_env={
                 "QUADSHADE_CONFIG": json.dumps(dataclasses.asdict(config)),
@@ -97,9 +107,6 @@ def _simulated(unit: Unit, settings: dict[str, int], test: str, clocks: int) -> 
                 "COCOTB_REWRITE_ASSERTION_FILES": "",
             },
         )
-    except (RuntimeError, SystemExit):
-        # A simulation that ends amid its test is a failure to the runner; whether it ran is in the waves.
-        pass
     names = [port.name for port in unit.ports]
     values = _read_vcd(waves, unit.name, names) if waves.is_file() else {}
     if len(values.get("clk", [])) < clocks - 1:
