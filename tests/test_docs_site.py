@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import http.server
+import os
 import re
 import shutil
 import threading
@@ -25,6 +26,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 from cocotb_tests.support.simulation import module_of
 from quadshade.cli.main import COMMANDS
 from quadshade.contract.formats import Formats
+from quadshade.engine.build_cache import build_once
 from quadshade.golden.core.edge_dda import EdgeDda
 from quadshade.trade.page.screenshot import find_chromium
 from scripts.docs import drawings
@@ -62,12 +64,16 @@ class Page(HTMLParser):
             self.loaded.append(values["href"])
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole site; most units without their diagram, for time."""
-    folder = tmp_path_factory.mktemp("docs") / "site"
-    build_site(folder, lambda unit: diagram(unit) if unit.name in DRAWN else "")
-    return folder
+    """The whole site, once for all of pytest's processes; most units without their diagram, for time."""
+    root = tmp_path_factory.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+
+    def make(folder: Path) -> None:
+        build_site(folder / "site", lambda unit: diagram(unit) if unit.name in DRAWN else "")
+
+    return build_once(root, "docs", make) / "site"
 
 
 @pytest.fixture(scope="module")
@@ -178,17 +184,18 @@ def test_command_line_page_has_every_command(site: Path) -> None:
         assert f'id="quadshade-{name}"' in text
 
 
-@pytest.mark.parametrize("name", sorted(units()))
-def test_unit_page_has_every_port(site: Path, name: str) -> None:
-    """Ports as cocotb tests and netlists know them: each name that stands before a colon in the entity."""
-    text = (site / "reference" / "units" / f"{name}.html").read_text()
-    source = units()[name].text
-    (entity,) = re.findall(rf"^entity {name} is\n(.*?)^end entity", source, re.MULTILINE | re.DOTALL)
-    code = re.sub(r"--.*", "", entity)
-    names = [each.strip() for group in re.findall(r"([\w, \n]+) : ", code) for each in group.split(",")]
-    assert "clk" in names or name in ("load_adder", "output_clamp")
-    for each in names:
-        assert f"<code>{each.split()[-1]}</code>" in text
+def test_unit_pages_have_every_port(site: Path) -> None:
+    """Each name that stands before a colon in the entity."""
+    for name, unit in units().items():
+        text = (site / "reference" / "units" / f"{name}.html").read_text()
+        (entity,) = re.findall(rf"^entity {name} is\n(.*?)^end entity", unit.text, re.MULTILINE | re.DOTALL)
+        code = re.sub(r"--.*", "", entity)
+        names = [
+            each.split()[-1] for group in re.findall(r"([\w, \n]+) : ", code) for each in group.split(",")
+        ]
+        assert "clk" in names or name in ("load_adder", "output_clamp")
+        for each in names:
+            assert f"<code>{each}</code>" in text, (name, each)
 
 
 def test_diagrams_name_what_there_is() -> None:
