@@ -233,7 +233,7 @@ def test_every_real_board_is_simulated(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "engine"), [("icebreaker", "verilator"), ("icebreaker", "ghdl")])
 def test_a_real_board_is_simulated_from_its_netlist(name: str, engine: str) -> None:
-    settings = board_settings(name, "8x6", ())
+    settings = board_settings(name, (8, 6), {})
     assert settings.generics()["crc_cycles"] == settings.generics()["most_counter_bits"] == 8
     with Board("sim", settings=settings, engine=engine, notice=str) as board:
         board.draw(seen("sphere:2x3", board.host_formats, (8, 6)))
@@ -243,8 +243,8 @@ def test_a_real_board_is_simulated_from_its_netlist(name: str, engine: str) -> N
 
 def test_a_monitor_is_simulated_from_the_netlist() -> None:
     """With ``with_video``, which the ULX3S boards have, beside the smallest core."""
-    small = ("num_channels=1", "with_depth=0", "coord_bits=9", "word_width=20", "frac_bits=10")
-    settings = board_settings(None, "160x120", (*small, "with_video=1"))
+    small = {"num_channels": 1, "with_depth": 0, "coord_bits": 9, "word_width": 20, "frac_bits": 10}
+    settings = board_settings(None, (160, 120), small | {"with_video": 1})
     with Board("sim", settings=settings, engine="verilator", notice=str) as board:
         assert board.identity["features"] >> FEATURES.index("display") & 1
         board.draw(seen("sphere:2x3", board.host_formats, (160, 120)))
@@ -252,7 +252,7 @@ def test_a_monitor_is_simulated_from_the_netlist() -> None:
 
 
 def test_counters_of_a_small_board_wrap() -> None:
-    settings = board_settings("icebreaker", "8x6", ("most_counter_bits=2",))
+    settings = board_settings("icebreaker", (8, 6), {"most_counter_bits": 2})
     with Board("sim", settings=settings, engine="model", notice=str) as board:
         before = board.status()["frames"]
         for _ in range(5):
