@@ -10,7 +10,7 @@ from quadshade.adapt import CosineShader, adapt, error_figures, pixel_errors, re
 from quadshade.adapt.costs import state_bytes
 from quadshade.adapt.polynomial_fit import POINTS, fit_at, shape_functions, weighted_fit
 from quadshade.adapt.shader import ColourShader
-from quadshade.adapt.small_triangles import FEW, pixel_places
+from quadshade.adapt.small_triangles import FEW, pixel_centres
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
@@ -196,7 +196,7 @@ def test_scenes_without_cosines() -> None:
 def test_small_triangles_are_known_by_their_pixels() -> None:
     whole = looked_at(load_scene("sphere:690"), 96)
     formats = Formats()
-    places = pixel_places(whole, formats, whole, np.arange(len(whole)))
+    places = pixel_centres(whole, formats, whole, np.arange(len(whole)))
     pixels = draw(sample(whole, "flat"), formats).pixels
     have = np.bincount(pixels.triangle, minlength=len(whole))
     assert (places.pixels == have).mean() > 0.9
@@ -205,7 +205,7 @@ def test_small_triangles_are_known_by_their_pixels() -> None:
     assert places.points[places.used].min() >= 0
     assert (places.whole == places.points).all()
     parts, root = refine(whole, np.ones(len(whole), dtype=bool))
-    few = pixel_places(parts, formats, whole, root)
+    few = pixel_centres(parts, formats, whole, root)
     at = [
         np.einsum("kpj,kjx->kpx", points, corners.astype(float))
         for points, corners in (

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from quadshade.adapt.shader import Choice, Shader, Surface, chosen_samples
-from quadshade.adapt.subdivide import shared_edges, split_edges
+from quadshade.adapt.subdivide import Edges, shared_edges, split_edges
 
 SHORT = 0.12
 """Of a triangle's longest edge; shorter ones are not split for its sake."""
@@ -126,7 +125,7 @@ def _gain_rms(chosen: Choice, halves: Choice, pixels: np.ndarray, price: float) 
     return now[:, None] - (left * (pixels / 2)[:, None, None] + price * halves.words).sum(axis=2)
 
 
-def _marks(surface: Surface, decision: Decision) -> tuple[Any, ...]:
+def _marks(surface: Surface, decision: Decision) -> tuple[Edges, np.ndarray]:
     """Edges of the surface, and which of them to split: for each triangle the one that saves most."""
     edges = shared_edges(surface.projected.vertices)
     total = np.bincount(edges.index.ravel(), decision.gain.ravel(), minlength=len(edges))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
 from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions, weighted_fit
 from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
-from quadshade.adapt.small_triangles import Places
+from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
@@ -66,42 +65,39 @@ class CosineShader(Shader):
         combinations = product(range(len(self.orders)), repeat=2 * count)
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
 
-    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+    def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, k), of halves (n, 3, 2, k), of (n, k, channels) options."""
-        count, orders = len(projected), len(self.orders)
+        count = len(projected)
         found = self._chunks(projected, slice(None), lambda part, _: self._halves(part))
         num_options = LEVELS if self.combinations is None else len(self.combinations)
         # Of a triangle without a pixel everything stays 0.
-        found["samples"] = np.zeros((count, len(self.place), orders, 6))
+        found["samples"] = np.zeros((count, len(self.place), len(self.orders), 6))
         found["options"] = np.zeros((count, num_options, len(self.place)), dtype=np.int64)
         found["errors"] = np.zeros((count, num_options))
         large = np.ones(count, dtype=bool)
-        large[places.rows], large[places.pixels == 0] = False, False
+        large[centres.rows], large[centres.pixels == 0] = False, False
         everywhere = np.ones((1, len(POINTS)), dtype=bool)
 
-        def keep(rows: np.ndarray, fitted: dict[str, np.ndarray]) -> None:
+        def put(rows: np.ndarray, fitted: dict[str, np.ndarray]) -> None:
             for key, values in fitted.items():
                 found[key][rows] = values
 
         rows = np.flatnonzero(large)
-        keep(
+        put(
             rows,
             self._chunks(
                 projected, rows, lambda part, _: self._fitted(part, POINTS, POINTS, everywhere, NODES)
             ),
         )
-        for rows, points, whole, used in places.groups():
+        for rows, *arrays in centres.groups():
 
-            def work(
-                part: Projected,
-                at: slice,
-                points: np.ndarray = points,
-                whole: np.ndarray = whole,
-                used: np.ndarray = used,
+            def at_pixels(
+                part: Projected, chunk: slice, arrays: list[np.ndarray] = arrays
             ) -> dict[str, np.ndarray]:
-                return self._fitted(part, whole[at], points[at], used[at], None)
+                points, whole, used = (values[chunk] for values in arrays)
+                return self._fitted(part, whole, points, used)
 
-            keep(rows, self._chunks(self.whole.ordered(root), rows, work))
+            put(rows, self._chunks(self.whole.ordered(root), rows, at_pixels))
         half, options = found.pop("half"), found["options"]
         found["halves"] = np.zeros((*half.shape[:3], options.shape[1]))
         for channel in range(len(self.place)):
@@ -112,7 +108,7 @@ class CosineShader(Shader):
         bounds[:, : len(diffuse)] *= diffuse
         bounds[:, len(diffuse) :] *= specular * found.pop("steepest")
         bound = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
-        return Assessed(places.pixels, bound, found["samples"], found["errors"], found["halves"], options)
+        return Assessed(centres.pixels, bound, found["samples"], found["errors"], found["halves"], options)
 
     def _chunks(
         self,
@@ -167,10 +163,10 @@ class CosineShader(Shader):
     def _fitted(
         self,
         projected: Projected,
-        places: np.ndarray,
+        barycentric: np.ndarray,
         points: np.ndarray,
         used: np.ndarray,
-        nodes: list[Any] | None = None,
+        nodes: list[list[int]] | None = None,
     ) -> dict[str, np.ndarray]:
         """
         The best polynomials at points of triangles, and how far colours are off with each option.
@@ -179,7 +175,7 @@ class CosineShader(Shader):
         ----------
         projected : Projected
           What is lit: these triangles, or those of which they are parts.
-        places : (p, 3) or (n, p, 3) float
+        barycentric : (p, 3) or (n, p, 3) float
           Where in it.
         points : (p, 3) or (n, p, 3) float
           The same points in the triangles themselves.
@@ -187,7 +183,7 @@ class CosineShader(Shader):
         nodes : list, optional
           For the grid: its points that a polynomial of each order may go through.
         """
-        channels = self._channels(projected, places, used)
+        channels = self._channels(projected, barycentric, used)
         shapes = [
             shape_functions(points, order).reshape(-1, points.shape[-2], NUM_DIFFERENCES[order])
             for order in self.orders
@@ -211,7 +207,7 @@ class CosineShader(Shader):
             )
             for part in fits
         ]
-        errors = self._joint_errors(drawn, options, self.shade(projected, places), used)
+        errors = self._joint_errors(drawn, options, self.shade(projected, barycentric), used)
         if nodes is not None and self.measure == "max":
             errors *= MARGIN
         return {"samples": samples * self.full, "options": options, "errors": errors}

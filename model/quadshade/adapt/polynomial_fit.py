@@ -50,8 +50,8 @@ def shape_functions(points: np.ndarray, order: int) -> np.ndarray:
 
 
 NODES = [
-    [int(np.flatnonzero((abs(POINTS - place) < 1e-9).all(axis=1))[0]) for place in places]
-    for places in (
+    [int(np.flatnonzero((abs(POINTS - node) < 1e-9).all(axis=1))[0]) for node in nodes]
+    for nodes in (
         np.full((1, 3), 1 / 3),
         np.eye(3),
         np.concatenate([np.eye(3), [[0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]]]),
@@ -150,14 +150,14 @@ def weighted_fit(shape: np.ndarray, values: np.ndarray, weights: np.ndarray) -> 
 
 
 def fit_at(
-    places: np.ndarray, used: np.ndarray, values: np.ndarray, order: int, full: float, measure: str
+    points: np.ndarray, used: np.ndarray, values: np.ndarray, order: int, full: float, measure: str
 ) -> Fit:
     """
     As :func:`fit`, at other points in each triangle.
 
     Parameters
     ----------
-    places : (n, p, 3) float
+    points : (n, p, 3) float
       Barycentric coordinates.
     used : (n, p) bool
       Which of them count, at least one.
@@ -169,7 +169,7 @@ def fit_at(
     -------
     Fit
     """
-    shape, counts = shape_functions(places, order), used[:, None]
+    shape, counts = shape_functions(points, order), used[:, None]
     weights = np.broadcast_to(counts, values.shape).astype(np.float64)
     best: Fit | None = None
     for _ in range(1 + EQUALISING * (measure == "max")):

@@ -10,7 +10,7 @@ import numpy as np
 
 from quadshade.adapt.part_memory import Assessed, PartMemory
 from quadshade.adapt.polynomial_fit import ORDERS, POINTS, fit, fit_at, split_errors
-from quadshade.adapt.small_triangles import Places, pixel_places
+from quadshade.adapt.small_triangles import PixelCentres, pixel_centres
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
@@ -107,13 +107,13 @@ class Shader:
 
     def assess(self, projected: Projected, root: np.ndarray) -> Assessed:
         """What each triangle's pixels and samples say about every order, not remembered."""
-        centres = pixel_places(projected, self.formats, self.whole, root)
+        centres = pixel_centres(projected, self.formats, self.whole, root)
         assessed = self.fit(projected, centres, root)
         for values in (assessed.errors, assessed.bound):
             values[centres.pixels == 0] = 0
         return assessed
 
-    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+    def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """The best polynomials of every order, and what each leaves."""
         raise NotImplementedError
 
@@ -139,8 +139,8 @@ class Shader:
         values = np.empty((len(projected), len(CHANNELS), points.shape[-2]))
         for start in range(0, len(projected), CHUNK):
             rows = np.arange(start, min(start + CHUNK, len(projected)))
-            places = points if points.ndim == 2 else points[rows]
-            light = reflected(projected, rows, places, self.lights, self.material)
+            barycentric = points if points.ndim == 2 else points[rows]
+            light = reflected(projected, rows, barycentric, self.lights, self.material)
             values[rows] = full_scale(light, self.formats).transpose(0, 2, 1)
         return values
 
@@ -203,7 +203,7 @@ class ColourShader(Shader):
             raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
         super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
 
-    def fit(self, projected: Projected, places: Places, root: np.ndarray) -> Assessed:
+    def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, 3, orders), of halves (n, 3, 2, 3, orders)."""
         values = self.shade(projected, POINTS)
         fits = [fit(values, order, self.full, self.measure) for order in self.orders]
@@ -211,14 +211,14 @@ class ColourShader(Shader):
         halves = np.stack([split_errors(values, order, self.measure) for order in self.orders], axis=-1)
         margin = MARGIN if self.measure == "max" else 1.0
         errors = np.stack([one.by(self.measure) for one in fits], axis=2) * margin
-        for rows, points, whole, used in places.groups():
+        for rows, points, whole, used in centres.groups():
             values = self.shade(self.whole.ordered(root[rows]), whole)
             for index, order in enumerate(self.orders):
                 one = fit_at(points, used, values, order, self.full, self.measure)
                 samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
         bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
         no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
-        return Assessed(places.pixels, bound, samples, errors, halves * margin, no_options)
+        return Assessed(centres.pixels, bound, samples, errors, halves * margin, no_options)
 
     def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
         if self.measure == "max":

@@ -21,7 +21,7 @@ LARGE = 2 * FEW
 
 
 @dataclass(frozen=True)
-class Places:
+class PixelCentres:
     """
     Pixels of triangles that have few of them.
 
@@ -61,7 +61,7 @@ class Places:
                 )
 
 
-def pixel_places(projected: Projected, formats: Formats, whole: Projected, root: np.ndarray) -> Places:
+def pixel_centres(projected: Projected, formats: Formats, whole: Projected, root: np.ndarray) -> PixelCentres:
     """
     Find the pixels of small triangles, as the core covers them.
 
@@ -75,7 +75,7 @@ def pixel_places(projected: Projected, formats: Formats, whole: Projected, root:
 
     Returns
     -------
-    Places
+    PixelCentres
     """
     count = abs(doubled_area(projected.vertices)) / 2 / 4.0**formats.subpixel_bits
     small = np.flatnonzero(count < LARGE)
@@ -107,4 +107,4 @@ def pixel_places(projected: Projected, formats: Formats, whole: Projected, root:
         points[row, slot] = barycentric(
             corners, triangle, pixels.x[order], pixels.y[order], formats.subpixel_bits
         )
-    return Places(count, small[rows], own, of_whole, used)
+    return PixelCentres(count, small[rows], own, of_whole, used)

@@ -27,14 +27,14 @@ def pareto_front(cost: npt.ArrayLike, error: npt.ArrayLike) -> np.ndarray:
     (n,) bool
       Equal points are on the front together.
     """
-    cost, error = np.asarray(cost, dtype=np.float64), np.asarray(error, dtype=np.float64)
-    front = np.zeros(len(cost), dtype=bool)
+    costs, errors = np.asarray(cost, dtype=np.float64), np.asarray(error, dtype=np.float64)
+    front = np.zeros(len(costs), dtype=bool)
     least, same_cost = np.inf, np.nan
-    for index in np.lexsort((error, cost)):
+    for index in np.lexsort((errors, costs)):
         # In the order of cost, then error: a point is on the front if it errs less than all before it.
-        if error[index] < least or (error[index] == least and cost[index] == same_cost):
+        if errors[index] < least or (errors[index] == least and costs[index] == same_cost):
             front[index] = True
-            least, same_cost = error[index], cost[index]
+            least, same_cost = errors[index], costs[index]
     return front
 
 

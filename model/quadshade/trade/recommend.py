@@ -163,7 +163,7 @@ def table(records: Sequence[dict[str, Any]]) -> list[str]:
     records : sequence of dict
       Drawn points; what was not counted is a dash.
     """
-    rows = [COLUMNS]
+    rows: list[tuple[str, ...]] = [COLUMNS]
     for record in records:
         cells = [record.get(name) for name in ("bytes", "clocks", "lut4", "dsp", "bram")]
         rows.append(
@@ -176,9 +176,9 @@ def table(records: Sequence[dict[str, Any]]) -> list[str]:
     lines = []
     for row in rows:
         # Names to the left, numbers to the right.
-        padded = [
+        aligned = [
             cell.ljust(width) if column < 2 else cell.rjust(width)
             for column, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
-        lines.append("  ".join(padded).rstrip())
+        lines.append("  ".join(aligned).rstrip())
     return lines

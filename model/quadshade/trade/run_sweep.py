@@ -134,7 +134,10 @@ def sweep(
         records = []
         for point, formats in zip(grid, configurations, strict=True):
             record = stored(folder / POINTS, keys[point])
-            assert record is not None, "a point was just measured"
+            if record is None:
+                raise QuadshadeError(
+                    f"{folder / POINTS / keys[point]} is gone", "run one sweep at a time there"
+                )
             record |= {name: cells.get(formats, {}).get(name) for name in CELLS}
             drawn = record["refused"] is None
             record["picture"] = f"{POINTS}/{keys[point]}/picture.png" if drawn else None
@@ -229,8 +232,6 @@ def _write(folder: Path, result: Sweep) -> None:
         "word_width",
         "mesh_triangles",
         "triangles",
-    )
-    columns += (
         "refused",
         *MEASURED,
         *CELLS,
