@@ -86,7 +86,10 @@ def test_edges_are_read_from_the_netlist(tmp_path: Path) -> None:
 
 
 def test_an_adaptive_picture_is_drawn_with_cosines_and_said_so(tmp_path: Path) -> None:
-    base = ("render", "sphere:168", "--size", "48x32", "--exponent", "60", "--max-error", "0.9")
+    # Seen from the front, in a material of which cosines are the cheaper ones.
+    surface = "colour=0.35,0.6,0.95,diffuse=0.6,ambient=0.08,specular=0.35,exponent=60"
+    look = ("--camera", "from=0,0,1", "--material", surface)
+    base = ("render", "sphere:168", "--size", "48x32", *look, "--max-error", "0.9")
     board, host, stats = tmp_path / "board.png", tmp_path / "host.png", tmp_path / "a.json"
     simulated = ("--port", "sim", "--engine", "model", "--pack-error", "0", "--stats", stats)
     code, output = run(*base, "-o", board, *simulated)
