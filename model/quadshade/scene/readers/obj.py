@@ -18,6 +18,7 @@ from quadshade.scene.readers.polygons import triangulate
 NAMES = ("usemtl", "mtllib", "g", "o")
 """Statements whose names may hold a ``#``."""
 
+INDEXED = ("vertex", "texture coordinate", "normal")
 LARGEST_INDEX = 1 << 40
 NO_INDEX = -1
 NO_EFFECT = frozenset(
@@ -35,13 +36,14 @@ REFUSED = {"surf": "a free-form surface", "call": "a call of another file", "csh
 
 @dataclass
 class Statements:
-    """An OBJ's data as it stands in the file; indices count from 0, ``NO_INDEX`` where a corner has none."""
+    """An OBJ's data as it stands; indices count from 0, ``NO_INDEX`` for none. ``known``: corners by word."""
 
     positions: list[list[float]] = field(default_factory=list)
     colours: list[list[float] | None] = field(default_factory=list)
     places: list[list[float]] = field(default_factory=list)
     normals: list[list[float]] = field(default_factory=list)
     corners: list[tuple[int, int, int]] = field(default_factory=list)
+    known: dict[str, tuple[int, int, int]] = field(default_factory=dict)
     counts: list[int] = field(default_factory=list)
     materials: list[str | None] = field(default_factory=list)
     libraries: list[str] = field(default_factory=list)
@@ -168,28 +170,36 @@ def _read_vertex(found: Statements, words: list[str]) -> None:
 
 def _read_face(found: Statements, words: list[str]) -> None:
     """``f v v v``, each v, v/vt, v//vn or v/vt/vn; a negative index counts back from here."""
-    sizes = len(found.positions), len(found.places), len(found.normals)
     for word in words:
-        parts = word.split("/")
-        if len(parts) > 3 or not parts[0]:
-            raise QuadshadeError(f"the corner {word[:40]!r}", "write v, v/vt, v//vn or v/vt/vn")
-        corner = [NO_INDEX] * 3
-        for kind, text in enumerate(parts):
-            if not text:
-                continue
-            try:
-                index = int(text)
-            except ValueError:
-                raise QuadshadeError(f"the corner {word[:40]!r}", "write v, v/vt, v//vn or v/vt/vn") from None
-            if index == 0:
-                what = ("vertex", "texture coordinate", "normal")[kind]
-                raise QuadshadeError(f"names {what} 0", "repair it: an OBJ counts from 1")
-            if index < -sizes[kind] or index > LARGEST_INDEX:
-                what = ("vertex", "texture coordinate", "normal")[kind]
-                raise QuadshadeError(f"names {what} {index} where there are {sizes[kind]}", "repair the mesh")
-            corner[kind] = index - 1 if index > 0 else sizes[kind] + index
-        found.corners.append((corner[0], corner[1], corner[2]))
+        corner = found.known.get(word)
+        if corner is None:
+            corner = _read_corner(word, (len(found.positions), len(found.places), len(found.normals)))
+            if "-" not in word:
+                found.known[word] = corner
+        found.corners.append(corner)
     found.counts.append(len(words))
+
+
+def _read_corner(word: str, sizes: tuple[int, int, int]) -> tuple[int, int, int]:
+    """A corner's three indices, where so many vertices, texture coordinates and normals stand before it."""
+    parts = word.split("/")
+    corner = [NO_INDEX] * 3
+    try:
+        indices = [int(part) if part else None for part in parts]
+    except ValueError:
+        indices = []
+    if not 1 <= len(indices) <= 3 or indices[0] is None:
+        raise QuadshadeError(f"the corner {word[:40]!r}", "write v, v/vt, v//vn or v/vt/vn")
+    for kind, index in enumerate(indices):
+        if index is None:
+            continue
+        what = INDEXED[kind]
+        if index == 0:
+            raise QuadshadeError(f"names {what} 0", "repair it: an OBJ counts from 1")
+        if not -sizes[kind] <= index <= LARGEST_INDEX:
+            raise QuadshadeError(f"names {what} {index} where there are {sizes[kind]}", "repair the mesh")
+        corner[kind] = index - 1 if index > 0 else sizes[kind] + index
+    return corner[0], corner[1], corner[2]
 
 
 def _check_range(index: np.ndarray, size: int, what: str) -> None:

@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.readers.part import MeshFile, Part, check_faces, text_lines
+from quadshade.scene.readers.part import OPAQUE, MeshFile, Part, check_colours, check_faces, text_lines
 from quadshade.scene.readers.polygons import triangulate
 
 HEADER = re.compile(r"(?P<st>ST)?(?P<colours>C)?(?P<normals>N)?(?P<four>4)?(?P<any>n)?OFF\b")
@@ -53,8 +53,10 @@ def read_off(text: str) -> MeshFile:
             "repair the mesh",
         )
     rows = lines[:num_vertices]
-    vertices, normals, colours = _read_vertices(rows, header)
+    vertices, normals, colours, transparent = _read_vertices(rows, header)
     faces, face_colours, notes = _read_faces(lines[num_vertices : num_vertices + num_faces], vertices)
+    if transparent and OPAQUE not in notes:
+        notes.append(OPAQUE)
     if len(lines) > num_vertices + num_faces:
         notes.append(f"lines behind the last face: {len(lines) - num_vertices - num_faces}")
     return MeshFile(
@@ -72,8 +74,11 @@ def read_off(text: str) -> MeshFile:
 
 def _read_vertices(
     rows: list[list[str]], header: re.Match[str]
-) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
-    """(m, 3) positions, normals and colours of vertices; None where the header has none of them."""
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool]:
+    """
+    (m, 3) positions, normals and colours of vertices, None where the header has none of them, and whether a
+    colour is transparent.
+    """
     after = 6 if header["normals"] else 3
     trailing = 2 if header["st"] else 0
     allowed = {after + trailing} if not header["colours"] else {after + trailing + 3, after + trailing + 4}
@@ -86,8 +91,9 @@ def _read_vertices(
             )
     vertices = _reals([row[:3] for row in rows], 3)
     normals = _reals([row[3:6] for row in rows], 3) if header["normals"] else None
-    colours = _levels([row[after : after + 3] for row in rows]) if header["colours"] else None
-    return vertices, normals, colours
+    if not header["colours"]:
+        return vertices, normals, None, False
+    return vertices, normals, *_levels([row[after : len(row) - trailing] for row in rows])
 
 
 def _read_faces(
@@ -110,21 +116,29 @@ def _read_faces(
     )
     check_faces(corners, len(vertices))
     triangles, owner, notes = triangulate(vertices[corners], np.array(counts, dtype=np.int64))
-    given = [row[count + 1 : count + 4] for count, row in zip(counts, rows, strict=True)]
-    coloured = np.array([len(words) == 3 for words in given], dtype=bool)
+    given = [row[count + 1 :] for count, row in zip(counts, rows, strict=True)]
+    coloured = np.array([bool(words) for words in given], dtype=bool)
     colours = None
     if coloured.any():
         levels = np.full((len(rows), 3), np.nan)
-        levels[coloured] = _levels([words for words in given if words])
+        levels[coloured], transparent = _levels([words for words in given if words])
+        notes += [OPAQUE] * transparent
         colours = np.repeat(levels[owner][:, None, :], 3, axis=1)
     return corners[triangles], colours, notes
 
 
-def _levels(words: list[list[str]]) -> np.ndarray:
-    """(m, 3) colours: whole numbers up to 255 or, if one has a point or none is above 1, shares of 1."""
-    values = _reals(words, 3)
+def _levels(words: list[list[str]]) -> tuple[np.ndarray, bool]:
+    """
+    (m, 3) colours of rows of red, green, blue and perhaps alpha, and whether one is transparent.
+
+    Whole numbers are levels up to 255; if one has a point or none is above 1, all are shares of 1.
+    """
+    values = _reals([row[:3] for row in words], 3)
     whole = all(WHOLE.fullmatch(word) for row in words for word in row)
-    return values / 255.0 if whole and values.max(initial=0) > 1 else values
+    top = 255.0 if whole and values.max(initial=0) > 1 else 1.0
+    check_colours(values / top, "it has a colour")
+    alpha = _reals([row[3:] for row in words if len(row) > 3], 1)
+    return values / top, bool((alpha < top).any())
 
 
 def _reals(words: list[list[str]], width: int) -> np.ndarray:

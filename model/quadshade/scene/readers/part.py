@@ -55,6 +55,10 @@ class MeshFile:
     notes: Sequence[str] = ()
 
 
+OPAQUE = "its colours are transparent: drawn opaque"
+"""The note on colours with an alpha below 1."""
+
+
 def plural(count: int, noun: str) -> str:
     """``1 face``, ``2 faces``; of nouns that end otherwise, give both forms: ``vertex/vertices``."""
     one, _, more = noun.partition("/")

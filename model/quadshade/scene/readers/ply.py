@@ -8,11 +8,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from quadshade.errors import QuadshadeError
-from quadshade.scene.readers.part import MeshFile, Part, check_colours, check_faces, plural
+from quadshade.scene.readers.part import OPAQUE, MeshFile, Part, check_colours, check_faces, plural
 from quadshade.scene.readers.ply_data import Element, PlyFile, read_ply_data
 from quadshade.scene.readers.polygons import triangulate
 from quadshade.scene.readers.texture import Texture, read_texels
 
+ALPHA_NAMES = ("alpha", "a", "diffuse_alpha")
 COLOUR_NAMES = (("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 PLACE_NAMES = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"))
 POLYGONS = ("vertex_indices", "vertex_index")
@@ -44,6 +45,8 @@ def read_ply(data: bytes, fetch: Callable[[str], bytes]) -> MeshFile:
         for name, element in ply.elements.items()
         if name not in DRAWN and element.count
     ]
+    if any(_is_transparent(ply.elements[name]) for name in DRAWN & set(ply.elements)):
+        notes.append(OPAQUE)
     vertex = ply.elements.get("vertex")
     if vertex is None:
         raise QuadshadeError("it has no vertices", "repair the mesh")
@@ -102,6 +105,19 @@ def _colours(element: Element) -> np.ndarray | None:
         check_colours(colours, f"a {element.name} has a colour")
         return colours
     return None
+
+
+def _is_transparent(element: Element) -> bool:
+    """Whether an element's rows have colours of which one is not opaque."""
+    if _colours(element) is None:
+        return False
+    for name in ALPHA_NAMES:
+        alpha = element.numbers.get(name)
+        if alpha is not None and alpha.size:
+            top = 1.0 if alpha.dtype.kind == "f" else 255.0
+            top = float(np.iinfo(alpha.dtype).max) if alpha.dtype.kind == "u" else top
+            return bool(alpha.min() < top)
+    return False
 
 
 def _texture(ply: PlyFile, fetch: Callable[[str], bytes]) -> Texture | None:
