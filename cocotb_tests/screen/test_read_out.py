@@ -71,8 +71,8 @@ class Reader:
     async def read(self, area: Area) -> int:
         """Ask for an area; returns the cycle in which it was taken."""
         dut = self.bench.dut
-        for name, value in zip(("x", "y", "width", "count"), area, strict=True):
-            getattr(dut, f"area_{name}").value = value
+        for name in ("x", "y", "width", "count"):
+            getattr(dut, f"area_{name}").value = getattr(area, name)
         dut.area_valid.value = 1
         await self.cycle()
         while not dut.area_ready.value:
