@@ -39,9 +39,13 @@ def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
         other["shading"] in ("quadratic", "quadratic-lights")
         and other["bytes"] > found["bytes"] > found["state_bytes"] > 0
     )
-    assert f"{found['bytes']} bytes as quadratic-specular, as {other['shading']} {other['bytes']};" in output
-    assert f"; {found['triangles']} parts" in output
-    assert f"error max {found['measured_max']:.2f}" in output
+    lines = [line.split(maxsplit=1) for line in output.splitlines()[1:6]]
+    assert [label for label, _ in lines] == ["channels", "bytes", "triangles", "divided", "error"]
+    said = dict(lines)
+    assert said["channels"] == "quadratic-specular"
+    assert said["bytes"] == f"{found['bytes']} (as {other['shading']} {other['bytes']})"
+    assert said["triangles"].startswith(f"{found['triangles']} sent: ")
+    assert said["error"].startswith(f"largest {found['measured_max']:.2f}, rms ")
 
 
 @pytest.mark.parametrize(
@@ -70,7 +74,7 @@ def test_fixed_pictures_say_nothing_of_it(tmp_path: Path) -> None:
     code, output = run("-o", tmp_path / "a.png", "--engine", "model", "--stats", stats)
     assert code == 0
     assert "adaptive" not in json.loads(stats.read_text())
-    assert "parts" not in output
+    assert "channels" not in output
 
 
 def test_a_linear_core_draws_adaptive_pictures(tmp_path: Path) -> None:
@@ -92,7 +96,7 @@ def test_a_shading_that_is_given_is_taken(tmp_path: Path, shading: str) -> None:
     found = json.loads(stats.read_text())["adaptive"]
     assert found["adaptive_shading"] == shading and found["rival"] is None
     assert (found["state_bytes"] > 0) == (shading != "quadratic")
-    assert f"bytes as {shading};" in output
+    assert f"channels   {shading}\n" in output
     assert ("with a power" in output) == (shading != "quadratic")
 
 
@@ -110,7 +114,7 @@ def test_scenes_without_cosines_are_drawn_in_colours_and_why_is_said(
     code, output = run("-o", tmp_path / "a.png", "--engine", "model", "--max-error", "9", *arguments)
     assert code == 0, output
     assert "notice: drawn as quadratic: " in output and reason in output
-    assert "bytes as quadratic;" in output
+    assert "channels   quadratic\n" in output
 
 
 def test_a_pack_is_adaptive_too(tmp_path: Path) -> None:
@@ -118,7 +122,7 @@ def test_a_pack_is_adaptive_too(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 0, result.output
     # Without the power in the table there is little state.
-    assert "bytes as quadratic-lights, as quadratic" in result.output
+    assert "channels   quadratic-lights\n" in result.output and "(as quadratic" in result.output
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     summary = (
         f"{width}x{height}, {len(triangles)} triangles, drawn by the board at {port.name}"
         + (", as the golden model predicts" if port.verify else "")
-        + (f"; {note}" if note else "")
+        + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
 

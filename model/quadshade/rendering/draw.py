@@ -217,7 +217,7 @@ def draw_tones(
 
 
 def adapt_note(shaded: Shaded) -> str:
-    """Bytes and kind of channels, what the other kind would have taken, and the mix; or nothing."""
+    """Labelled lines: bytes, kind of channels, what the next best kind takes, and the mix; or nothing."""
     from quadshade.adapt import stream_bytes
 
     adapted = shaded.adapted
@@ -225,15 +225,16 @@ def adapt_note(shaded: Shaded) -> str:
         return ""
     size = stream_bytes(adapted.triangles, adapted.formats)
     rival = adapted.rival
-    other = "" if rival is None or rival.bytes is None else f", as {rival.shading} {rival.bytes}"
+    other = "" if rival is None or rival.bytes is None else f" (as {rival.shading} {rival.bytes})"
     mix = adapted.mix()
     orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
     powers = sum(mix["specular_by_order"].values()) - mix["specular_by_order"]["constant"]
     if adapted.shading == ADAPTIVE_SHADINGS[1]:
         orders += f", {powers} with a power"
     return (
-        f"{size} bytes as {adapted.shading}{other}; {mix['triangles']} parts ({orders}), "
-        f"{mix['divided']} triangles divided"
+        f"\n  channels   {adapted.shading}\n  bytes      {size}{other}"
+        f"\n  triangles  {mix['triangles']} sent: {orders}"
+        f"\n  divided    {mix['divided']} of {mix['triangles_of_mesh']} triangles seen"
     )
 
 
@@ -266,7 +267,10 @@ def adapt_report(
     over = "" if limit is None else f", {figures.exceeding:.4%} of the pixels over {limit:g}"
     # What was verified is what was measured.
     estimate = "" if adapted.verified else f" (estimated {adapted.measure} {adapted.error:.3f}, no bound)"
-    note = f", {adapt_note(shaded)}; error max {figures.largest:.2f}, rms {figures.rms:.3f}{estimate}{over}"
+    note = (
+        f"{adapt_note(shaded)}\n  error      largest {figures.largest:.2f}, rms {figures.rms:.3f} grey levels"
+        f"{estimate}{over}"
+    )
     return content, note
 
 

@@ -78,6 +78,6 @@ def pack_picture(
         f"{frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets, "
         f"{size:.1f} bytes a triangle on the line, at most {batch.added:.4f} grey levels added"
         + (f", {undefined} packets undefined and drawn as 0" if undefined else "")
-        + (f"; unpacked {note}" if note else "")
+        + (f"; before packing:{note}" if note else "")
     )
     return PackedPicture(frame, encode_frame_file(frame), summary)
