@@ -61,18 +61,11 @@ def polynomial(samples: np.ndarray, orders: np.ndarray, weights: np.ndarray) -> 
     -------
     (m, c) float64
     """
-    first, second, third = weights.T
     flat = np.zeros((len(weights), 6))
     flat[:, 0] = 1
     linear = np.zeros((len(weights), 6))
     linear[:, :3] = weights
-    quadratic = np.concatenate(
-        [
-            weights * (2 * weights - 1),
-            np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1),
-        ],
-        axis=-1,
-    )
+    quadratic = quadratic_shape(weights)
     count, channels = samples.shape[:2]
     values = np.empty((count, channels))
     for channel in range(channels):
@@ -80,6 +73,13 @@ def polynomial(samples: np.ndarray, orders: np.ndarray, weights: np.ndarray) -> 
         shape = np.where(order == QUADRATIC, quadratic, np.where(order == LINEAR, linear, flat))
         values[:, channel] = (shape * samples[:, channel]).sum(axis=-1)
     return values
+
+
+def quadratic_shape(weights: np.ndarray) -> np.ndarray:
+    """(m, 6) shares of the six samples in a quadratic's value at (m, 3) barycentric coordinates."""
+    first, second, third = weights.T
+    middles = np.stack([4 * first * second, 4 * first * third, 4 * second * third], axis=-1)
+    return np.concatenate([weights * (2 * weights - 1), middles], axis=-1)
 
 
 def interpolated(

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+The values for which the weighted squared error is least: normal equations, by conjugate gradients.
+
+The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. From the six
+points on, scaled by its diagonal, some tens of steps suffice however many triangles there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, cg
+
+from quadshade.fit.elements import Elements
+from quadshade.fit.places import Places
+
+HOLD = 1e-3
+"""Pixels that speak for a six-point value: what no place sees stays as it was sampled."""
+
+TOLERANCE = 1e-5
+"""Of the residual that the six points leave."""
+MOST_STEPS = 2000
+ROUNDS = 8
+"""Of holding what leaves the range."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """
+    Normal equations, before neighbours' shares are added up.
+
+    Attributes
+    ----------
+    block : (n, 6, 6) float64
+      Of each triangle: its samples' shape functions with each other, over its places.
+    right : (n, 6, c) float64
+      Of each triangle: shape functions with the targets.
+    """
+
+    block: np.ndarray
+    right: np.ndarray
+
+
+def normal_equations(
+    count: int, places: Places, shape: np.ndarray, target: np.ndarray, weight: np.ndarray
+) -> Normal:
+    """
+    Sum over places, triangle by triangle.
+
+    Parameters
+    ----------
+    count : int
+      Triangles.
+    places : Places
+    shape : (p, 6) float64
+      Shape functions at the places.
+    target : (p, c) float64
+    weight : (p,) float64
+      Of each place's squared error.
+
+    Returns
+    -------
+    Normal
+    """
+    block, right = np.zeros((count, 6, 6)), np.zeros((count, 6, target.shape[1]))
+    _add_up(places.triangle, shape, target, weight, block, right)
+    return Normal(block, right)
+
+
+def least_squares(
+    elements: Elements,
+    normal: Normal,
+    largest: float,
+    penalty: sparse.csr_array | None = None,
+    begin: np.ndarray | None = None,
+) -> np.ndarray:
+    """
+    Solve for the unknowns.
+
+    Parameters
+    ----------
+    elements : Elements
+    normal : Normal
+    largest : float
+      No value is below 0 or above this.
+    penalty : (m, m) sparse, optional
+      A quadratic form of the unknowns that is to be small as well.
+    begin : (m, c) float64, optional
+      Where the steps begin; by default the six points.
+
+    Returns
+    -------
+    (m, c) float64
+    """
+    start, index = elements.start, elements.index
+    count = len(start)
+    begin = start if begin is None else begin
+    diagonal = np.full(count, HOLD)
+    np.add.at(diagonal, index, np.einsum("nii->ni", normal.block))
+    if penalty is not None:
+        diagonal += penalty.diagonal()
+    right = HOLD * start
+    np.add.at(right, index, normal.right)
+
+    found = np.empty_like(start)
+    for channel in range(start.shape[1]):
+        found[:, channel] = _bounded(
+            lambda vector: _times(normal.block, index, penalty, vector),
+            diagonal,
+            right[:, channel],
+            begin[:, channel],
+            largest,
+        )
+    # Numbers that are none leave the six points.
+    return np.where(np.isfinite(found), found, start)
+
+
+def _times(
+    block: np.ndarray, index: np.ndarray, penalty: sparse.csr_array | None, vector: np.ndarray
+) -> np.ndarray:
+    """The matrix times a vector of unknowns."""
+    product = HOLD * vector
+    _multiply(block, index, vector, product)
+    return product if penalty is None else product + penalty @ vector
+
+
+def _bounded(
+    times: Callable[[np.ndarray], np.ndarray],
+    diagonal: np.ndarray,
+    right: np.ndarray,
+    begin: np.ndarray,
+    largest: float,
+) -> np.ndarray:
+    """
+    Solve for unknowns of 0 .. ``largest``: those that leave the range stay at its border, the others go on.
+
+    A clamped solution would be no least one: its neighbours have counted on the value that it lost.
+    """
+    free = np.ones(len(begin), dtype=bool)
+    values = np.clip(begin, 0, largest)
+    for _ in range(ROUNDS):
+        missing = np.where(free, right - times(values), 0.0)
+
+        def matvec(vector: np.ndarray, free: np.ndarray = free) -> np.ndarray:
+            inside = np.where(free, vector.reshape(-1), 0.0)
+            return np.where(free, times(inside), vector.reshape(-1))
+
+        shape = (len(begin), len(begin))
+        matrix = LinearOperator(shape, matvec=matvec, dtype=np.float64)
+        jacobi = LinearOperator(shape, matvec=lambda vector: vector / diagonal, dtype=np.float64)
+        change, _ = cg(matrix, missing, rtol=TOLERANCE, maxiter=MOST_STEPS, M=jacobi)
+        solved = values + np.where(free, change, 0.0)
+        values = np.clip(solved, 0, largest)
+        outside = free & (values != solved)
+        if not outside.any():
+            break
+        free &= ~outside
+    return values
+
+
+@njit(cache=True)
+def _add_up(triangle, shape, target, weight, block, right):
+    """Add every place to the block and the right side of its triangle."""
+    for place in range(len(triangle)):
+        owner, share = triangle[place], weight[place]
+        for row in range(6):
+            here = share * shape[place, row]
+            for column in range(6):
+                block[owner, row, column] += here * shape[place, column]
+            for channel in range(target.shape[1]):
+                right[owner, row, channel] += here * target[place, channel]
+
+
+@njit(cache=True)
+def _multiply(block, index, vector, product):
+    """Add the blocks times a vector of unknowns to ``product``."""
+    for triangle in range(len(index)):
+        for row in range(6):
+            total = 0.0
+            for column in range(6):
+                total += block[triangle, row, column] * vector[index[triangle, column]]
+            product[index[triangle, row]] += total

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fits over the whole mesh: nearer to Phong than six points, watertight, and never worse off for bad meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quadshade.contract.formats import Formats
+from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
+from quadshade.fit import FITS, fit_colours
+from quadshade.fit.elements import ENDS, shared_elements
+from quadshade.fit.jumps import jump_penalty
+from quadshade.fit.places import places_of
+from quadshade.fit.solve import HOLD
+from quadshade.scene import build_mesh, fit_camera, load_scene, parse_camera, project
+from quadshade.shading import Material, default_lights, sample
+from quadshade.shading.reference import phong, quadratic_shape
+from quadshade.shading.sample import reflected
+
+FORMATS = Formats()
+SHARP = Material(exponent=50)
+
+
+def seen(scene: str = "sphere:168", size: int = 200, camera: str = "from=0,0.4,1"):
+    mesh = load_scene(scene)
+    projected = project(mesh, parse_camera(camera, mesh), size, size)
+    return projected, sample(projected, material=SHARP)
+
+
+def errors(projected, triangles) -> np.ndarray:
+    """Deviation of what the golden model draws from Phong shading, at every pixel drawn."""
+    pixels = draw(triangles, FORMATS, "model").pixels
+    exact = phong(projected, pixels.triangle, pixels.x, pixels.y, material=SHARP)
+    return pixels.value - exact
+
+
+@pytest.mark.parametrize("scene", ["sphere:168", "sphere:374", "torus:288", "icosphere:2"])
+@pytest.mark.parametrize("places", ["pixels", "points"])
+def test_least_squares_is_nearer_to_phong(scene: str, places: str) -> None:
+    projected, six = seen(scene)
+    best = fit_colours(projected, six, "least-squares", material=SHARP, places=places)
+    before, after = errors(projected, six), errors(projected, best)
+    # One decibel at least; two and more at the places that are drawn.
+    assert (after**2).mean() < 0.85 * (before**2).mean()
+    if scene != "icosphere:2":
+        assert np.abs(after).max() <= np.abs(before).max() + 1
+
+
+def test_at_the_pixels_nothing_else_is_better() -> None:
+    """The gradient of the squared error over all shared unknowns is zero, up to the hold on six points."""
+    projected, six = seen()
+    best = fit_colours(projected, six, "least-squares", material=SHARP)
+    here = places_of("pixels", projected, FORMATS)
+    light = reflected(projected, here.triangle, here.weights[:, None], default_lights(projected.axes), SHARP)
+    exact = 255 * np.clip(light[:, 0], 0, 1)
+    shape = quadratic_shape(here.weights)
+    elements = shared_elements(six)
+    index = elements.index
+    values = np.empty_like(elements.start)
+    values[index.reshape(-1)] = best.samples.transpose(0, 2, 1).reshape(-1, 3)
+    residual = np.einsum("ps,psc->pc", shape, values[index[here.triangle]]) - exact
+    gradient = HOLD * (values - elements.start)
+    np.add.at(gradient, index[here.triangle], (here.area[:, None] * shape)[:, :, None] * residual[:, None, :])
+    inside = (values > 0) & (values < 255)
+    assert inside.mean() > 0.95
+    assert np.abs(gradient[inside]).max() < 0.2
+    # What is held at a border would only go beyond it.
+    assert (gradient[values == 0] > -0.2).all() and (gradient[values == 255] < 0.2).all()
+
+
+def test_minimax_has_a_smaller_largest_error() -> None:
+    projected, six = seen("torus:288")
+    squares = fit_colours(projected, six, "least-squares", material=SHARP)
+    least = fit_colours(projected, six, "minimax", material=SHARP)
+    six_error, square_error, least_error = (
+        np.abs(errors(projected, triangles)).max() for triangles in (six, squares, least)
+    )
+    assert least_error < 0.9 * square_error < 0.9 * six_error
+
+
+def test_smooth_trades_error_for_jumps() -> None:
+    projected, six = seen("sphere:374")
+    elements = shared_elements(six)
+    penalty = jump_penalty(elements, projected.vertices, FORMATS)
+
+    def jump(triangles) -> float:
+        values = np.empty_like(elements.start)
+        values[elements.index.reshape(-1)] = triangles.samples.transpose(0, 2, 1).reshape(-1, 3)
+        return float(np.einsum("mc,mc->", values, penalty @ values))
+
+    steps = [fit_colours(projected, six, "smooth", material=SHARP, smoothness=s) for s in (0, 30, 1000)]
+    jumps = [jump(triangles) for triangles in steps]
+    square = [(errors(projected, triangles) ** 2).mean() for triangles in steps]
+    assert jumps[0] > 1.1 * jumps[1] > 1.1 * 1.1 * jumps[2]
+    assert square[0] < square[1] < square[2]
+
+
+def test_the_jump_of_one_quadratic_is_zero_and_of_a_kink_its_angle() -> None:
+    """Two triangles side by side: x**2 + xy has no jump; |x - 10| jumps by 2 across its vertical edge."""
+    vertices = np.array([[[0, 0], [10, 0], [10, 10]], [[10, 0], [20, 5], [10, 10]]]) * 256
+    _, two = seen()
+    place = np.concatenate(
+        [vertices / 256, (vertices[:, ENDS[:, 0]] + vertices[:, ENDS[:, 1]]) / 512], axis=1
+    )
+    x, y = place[..., 0], place[..., 1]
+    for value, expected in ((x**2 + x * y, 0.0), (np.abs(x - 10), 4 * 10.0)):
+        triangles = replace(
+            two,
+            vertices=vertices,
+            samples=np.repeat(value[:, None, :], 3, axis=1),
+            orders=np.full((2, 3), 2),
+            depth=None,
+        )
+        elements = shared_elements(triangles)
+        assert len(elements.start) == 4 + 5
+        penalty = jump_penalty(elements, vertices, FORMATS)
+        one = elements.start[:, 0]
+        assert one @ (penalty @ one) == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("fit", FITS)
+def test_neighbours_meet_in_value(fit: str) -> None:
+    projected, six = seen("torus:288")
+    fitted = fit_colours(projected, six, fit, material=SHARP)
+    index = shared_elements(six).index
+    values = np.full((index.max() + 1, 3), np.nan)
+    values[index.reshape(-1)] = fitted.samples.transpose(0, 2, 1).reshape(-1, 3)
+    assert (values[index].transpose(0, 2, 1) == fitted.samples).all()
+    assert len(values) < 0.7 * index.size
+    assert fitted.samples.min() >= 0 and fitted.samples.max() <= 255
+
+
+def test_creases_and_colour_seams_keep_their_own_values() -> None:
+    mesh = load_scene("cube:1")
+    projected = project(mesh, parse_camera("from=1,0.8,1.2", mesh), 64, 64)
+    index = shared_elements(sample(projected)).index
+    # Three faces of two triangles; the two of a face share four corners, an edge, and four edges of their own.
+    assert index.max() + 1 == 3 * (4 + 5)
+
+
+@pytest.mark.parametrize("fit", FITS)
+def test_bad_meshes_are_drawn_as_sampled_or_better(fit: str) -> None:
+    """Three triangles at one edge, one without area, one turned over, one of no pixel, one far too large."""
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.2], [0.5, 1, -1], [0.2, 0.2, 0], [0.2001, 0.2, 0]]
+    vertices += [[0.2, 0.2001, 0], [-900, -900, -1], [900, -900, -1], [0, 900, -1]]
+    faces = [[0, 1, 2], [1, 3, 2], [1, 4, 2], [0, 0, 1], [2, 1, 0], [5, 6, 7], [8, 9, 10]]
+    mesh = build_mesh(np.array(vertices, float), np.array(faces))
+    camera = fit_camera(mesh, eye=np.array([0.3, 0.4, 4.0]), target=np.array([0.4, 0.4, 0.0]), fov=30)
+    projected = project(mesh, camera, 96, 96, cull=False)
+    six = sample(projected, material=SHARP)
+    fitted = fit_colours(projected, six, fit, material=SHARP)
+    assert np.isfinite(fitted.samples).all()
+    before, after = draw(six, FORMATS, "model").pixels, draw(fitted, FORMATS, "model").pixels
+    assert (before.x == after.x).all() and (before.triangle == after.triangle).all()
+    if fit in ("six-point", "least-squares"):
+        assert (errors(projected, fitted) ** 2).mean() <= (errors(projected, six) ** 2).mean() + 0.1
+
+
+def test_nothing_to_draw_and_nothing_seen() -> None:
+    mesh = load_scene("sphere:168")
+    projected = project(mesh, parse_camera("eye=9,0,0,target=20,0,0", mesh), 32, 32)
+    assert len(fit_colours(projected, sample(projected), "least-squares")) == 0
+    tiny = project(mesh, parse_camera("from=0,0,1,ortho=4000", mesh), 32, 32)
+    six = sample(tiny)
+    fitted = fit_colours(tiny, six, "least-squares")
+    assert fitted.samples == pytest.approx(six.samples, abs=60)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"fit": "cubic"}, "the fit is 'cubic'"),
+        ({"places": "corners"}, "a fit at 'corners'"),
+        ({"fit": "smooth", "smoothness": float("nan")}, "smoothness is nan"),
+        ({"fit": "smooth", "smoothness": -1.0}, "smoothness is -1"),
+    ],
+)
+def test_refused(settings: dict, message: str) -> None:
+    projected, six = seen(size=32)
+    with pytest.raises(QuadshadeError, match=message):
+        fit_colours(projected, six, **settings)
+
+
+def test_refuses_what_is_not_quadratic() -> None:
+    projected, _ = seen(size=32)
+    with pytest.raises(QuadshadeError, match="not quadratic colours"):
+        fit_colours(projected, sample(projected, "gouraud"))
