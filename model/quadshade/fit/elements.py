@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.triangles import ScreenTriangles
 
 SAME = 256
@@ -35,10 +36,10 @@ class Elements:
       The six points' values of the unknowns.
     """
 
-    index: np.ndarray
-    start: np.ndarray
+    index: Ints
+    start: Floats
 
-    def samples(self, values: np.ndarray) -> np.ndarray:
+    def samples(self, values: Floats) -> Floats:
         """(n, c, 6) samples of (m, c) values."""
         return values[self.index].transpose(0, 2, 1)
 
@@ -69,6 +70,6 @@ def shared_elements(triangles: ScreenTriangles) -> Elements:
     return Elements(index, start)
 
 
-def _numbers(rows: np.ndarray) -> np.ndarray:
+def _numbers(rows: Ints) -> Ints:
     """(k,) the number of each distinct row of (k, w) int64."""
     return np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1)

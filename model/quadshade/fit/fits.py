@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from quadshade.contract.arrays import Floats
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -102,11 +103,11 @@ def fit_colours(
 def _minimax(
     elements: Elements,
     places: Places,
-    shape: np.ndarray,
-    target: np.ndarray,
-    values: np.ndarray,
+    shape: Floats,
+    target: Floats,
+    values: Floats,
     largest: float,
-) -> np.ndarray:
+) -> Floats:
     """Lawson's iteration: each round weights a place by its error, and the best round counts."""
     best, least, weight = values, np.inf, places.area
     for number in range(ROUNDS + 1):
@@ -125,7 +126,7 @@ def _minimax(
 
 def _phong(
     projected: Projected, places: Places, lights: Sequence[Light], material: Material, formats: Formats
-) -> np.ndarray:
+) -> Floats:
     """(p, 3) Phong shading at places, in output units, clamped."""
     target = np.empty((len(places.triangle), 3))
     for start in range(0, len(target), CHUNK):

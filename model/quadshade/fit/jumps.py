@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import Formats
 from quadshade.fit.elements import ENDS, Elements
 
@@ -13,7 +14,7 @@ ALONG = (np.arange(8) + 0.5) / 8
 """Where along an edge the derivative is compared."""
 
 
-def jump_penalty(elements: Elements, vertices: np.ndarray, formats: Formats) -> sparse.csr_array:
+def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse.csr_array:
     """
     Squared jumps of the normal derivative, integrated along the edges that two triangles share.
 
@@ -40,23 +41,21 @@ def jump_penalty(elements: Elements, vertices: np.ndarray, formats: Formats) -> 
     keep = length > 0
     triangle, ends, along, length = triangle[keep], ends[keep], along[keep], length[keep]
     across = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
-    rows, columns, entries = [], [], []
+    # One row of the matrix a place: the slope on one side less that on the other.
+    entries = np.zeros((len(length), len(ALONG), 2, 6))
     for number, share in enumerate(ALONG):
         point = ends[:, 0] + share * along
         for which, sign in ((0, 1.0), (1, -1.0)):
-            slope = _slopes(place[triangle[:, which]], point, across)
-            rows.append(np.repeat(np.arange(len(length)) * len(ALONG) + number, 6))
-            columns.append(elements.index[triangle[:, which]].reshape(-1))
-            entries.append(sign * slope.reshape(-1))
-    shape = (len(length) * len(ALONG), len(elements.start))
-    jump = sparse.csr_array(
-        (np.concatenate(entries or [[]]), (np.concatenate(rows or [[]]), np.concatenate(columns or [[]]))),
-        shape,
-    )
-    return (jump.T @ jump.multiply(np.repeat(length / len(ALONG), len(ALONG))[:, None])).tocsr()
+            entries[:, number, which] = sign * _slopes(place[triangle[:, which]], point, across)
+    columns = np.repeat(elements.index[triangle][:, None], len(ALONG), axis=1)
+    starts = np.arange(0, entries.size + 1, 12)
+    shape = (len(starts) - 1, len(elements.start))
+    jump = sparse.csr_array((entries.reshape(-1), columns.reshape(-1), starts), shape=shape)
+    weight = sparse.diags_array(np.repeat(length / len(ALONG), len(ALONG)))
+    return sparse.csr_array(jump.T @ weight @ jump)
 
 
-def _shared_edges(elements: Elements) -> tuple[np.ndarray, np.ndarray]:
+def _shared_edges(elements: Elements) -> tuple[Ints, Ints]:
     """(e, 2) triangles on both sides of edges whose unknown exactly two share, and (e, 2) which edge it is."""
     middles = elements.index[:, 3:].reshape(-1)
     order = np.argsort(middles, kind="stable")
@@ -66,7 +65,7 @@ def _shared_edges(elements: Elements) -> tuple[np.ndarray, np.ndarray]:
     return pairs // 3, pairs % 3
 
 
-def _slopes(corners: np.ndarray, point: np.ndarray, across: np.ndarray) -> np.ndarray:
+def _slopes(corners: Floats, point: Floats, across: Floats) -> Floats:
     """(e, 6) derivatives of the shape functions of triangles (e, 3, 2) at points (e, 2) along (e, 2)."""
     legs = corners[:, 1:] - corners[:, :1]
     area = legs[:, 0, 0] * legs[:, 1, 1] - legs[:, 0, 1] * legs[:, 1, 0]

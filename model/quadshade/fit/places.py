@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import CONSTANT, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
@@ -37,9 +38,9 @@ class Places:
       Pixels that the place stands for.
     """
 
-    triangle: np.ndarray
-    weights: np.ndarray
-    area: np.ndarray
+    triangle: Ints
+    weights: Floats
+    area: Floats
 
 
 def places_of(kind: str, projected: Projected, formats: Formats) -> Places:

@@ -16,6 +16,7 @@ from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg
 
+from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.fit.elements import Elements
 from quadshade.fit.places import Places
 
@@ -42,13 +43,11 @@ class Normal:
       Of each triangle: shape functions with the targets.
     """
 
-    block: np.ndarray
-    right: np.ndarray
+    block: Floats
+    right: Floats
 
 
-def normal_equations(
-    count: int, places: Places, shape: np.ndarray, target: np.ndarray, weight: np.ndarray
-) -> Normal:
+def normal_equations(count: int, places: Places, shape: Floats, target: Floats, weight: Floats) -> Normal:
     """
     Sum over places, triangle by triangle.
 
@@ -77,8 +76,8 @@ def least_squares(
     normal: Normal,
     largest: float,
     penalty: sparse.csr_array | None = None,
-    begin: np.ndarray | None = None,
-) -> np.ndarray:
+    begin: Floats | None = None,
+) -> Floats:
     """
     Solve for the unknowns.
 
@@ -120,9 +119,7 @@ def least_squares(
     return np.where(np.isfinite(found), found, start)
 
 
-def _times(
-    block: np.ndarray, index: np.ndarray, penalty: sparse.csr_array | None, vector: np.ndarray
-) -> np.ndarray:
+def _times(block: Floats, index: Ints, penalty: sparse.csr_array | None, vector: Floats) -> Floats:
     """The matrix times a vector of unknowns."""
     product = HOLD * vector
     _multiply(block, index, vector, product)
@@ -130,12 +127,12 @@ def _times(
 
 
 def _bounded(
-    times: Callable[[np.ndarray], np.ndarray],
-    diagonal: np.ndarray,
-    right: np.ndarray,
-    begin: np.ndarray,
+    times: Callable[[Floats], Floats],
+    diagonal: Floats,
+    right: Floats,
+    begin: Floats,
     largest: float,
-) -> np.ndarray:
+) -> Floats:
     """
     Solve for unknowns of 0 .. ``largest``: those that leave the range stay at its border, the others go on.
 
@@ -146,7 +143,7 @@ def _bounded(
     for _ in range(ROUNDS):
         missing = np.where(free, right - times(values), 0.0)
 
-        def matvec(vector: np.ndarray, free: np.ndarray = free) -> np.ndarray:
+        def matvec(vector: Floats, free: Bools = free) -> Floats:
             inside = np.where(free, vector.reshape(-1), 0.0)
             return np.where(free, times(inside), vector.reshape(-1))
 
@@ -164,7 +161,9 @@ def _bounded(
 
 
 @njit(cache=True)
-def _add_up(triangle, shape, target, weight, block, right):
+def _add_up(
+    triangle: Ints, shape: Floats, target: Floats, weight: Floats, block: Floats, right: Floats
+) -> None:
     """Add every place to the block and the right side of its triangle."""
     for place in range(len(triangle)):
         owner, share = triangle[place], weight[place]
@@ -177,7 +176,7 @@ def _add_up(triangle, shape, target, weight, block, right):
 
 
 @njit(cache=True)
-def _multiply(block, index, vector, product):
+def _multiply(block: Floats, index: Ints, vector: Floats, product: Floats) -> None:
     """Add the blocks times a vector of unknowns to ``product``."""
     for triangle in range(len(index)):
         for row in range(6):
