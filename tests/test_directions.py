@@ -20,6 +20,7 @@ LAYERS = (
     {"choices", "files"},
     {"golden", "image", "link", "scene", "setup"},
     {"engine", "packing", "shading"},
+    {"fit"},
     {"adapt", "style", "synthesis"},
     {"board"},
     {"rendering", "trade"},

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from quadshade.choices import FITS
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.fit import FITS, fit_colours
+from quadshade.fit import fit_colours
 from quadshade.fit.elements import ENDS, shared_elements
 from quadshade.fit.jumps import jump_penalty
 from quadshade.fit.places import places_of

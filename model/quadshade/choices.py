@@ -27,6 +27,20 @@ DEFAULT_SHADING = "quadratic"
 DEFAULT_SIZE = "512x512"
 ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
 
+FITS = ("six-point", "least-squares", "minimax", "smooth")
+"""
+``six-point``      the quadratic through six samples: the default
+``least-squares``  the least squared error over the picture, neighbours meeting in value
+``minimax``        a small largest error
+``smooth``         least squares of the error and of the derivative's jumps across edges
+"""
+
+SMOOTHNESS = 30.0
+"""Default weight of the jumps, ``smooth``, in pixels."""
+
+SUPERSAMPLES = (1, 2, 4)
+"""Frames along each side of a pixel that a picture may be the mean of."""
+
 SETUPS = ("unit", "abbas", "general", "xshading")
 """
 ``unit``      the unit triangle, set up on the pixel lattice with a bound of its own error: the default

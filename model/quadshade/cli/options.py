@@ -11,7 +11,7 @@ import click
 from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
-from quadshade.choices import ENGINES
+from quadshade.choices import ENGINES, SUPERSAMPLES
 from quadshade.contract.formats import GENERIC_HELP, Formats
 from quadshade.errors import QuadshadeError
 
@@ -121,6 +121,15 @@ engine_option = option(
     envvar="QUADSHADE_ENGINE",
     help="What draws: the golden model, the VHDL in GHDL, or its netlist in Verilator.  "
     "[default: verilator where it and a C++ compiler are installed, else model]",
+)
+supersample_option = option(
+    "Output",
+    "--supersample",
+    type=click.Choice([str(count) for count in SUPERSAMPLES]),
+    default="1",
+    show_default=True,
+    callback=lambda _, __, value: int(value),
+    help="Smooth the outlines: the mean of so many times so many frames, each moved by a part of a pixel.",
 )
 stats_option = option(
     "Output", "--stats", type=PATH, help="Write clocks, pixels, triangles and words as JSON."

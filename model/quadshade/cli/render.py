@@ -16,6 +16,7 @@ from quadshade.cli.options import (
     engine_option,
     output_option,
     stats_option,
+    supersample_option,
     waves_option,
 )
 from quadshade.cli.port_options import port_options, with_board
@@ -47,7 +48,7 @@ VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC th
     STYLE_OPTIONS,
     [engine_option],
     port_options("Draw on a board and fetch the picture"),
-    [output_option("PNG file to write."), stats_option, waves_option],
+    [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )
 def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None:
     """

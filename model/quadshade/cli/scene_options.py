@@ -8,12 +8,14 @@ import click
 from quadshade.choices import (
     DEFAULT_SHADING,
     DEFAULT_SIZE,
+    FITS,
     MAX_ERROR,
     MEASURES,
     PACK_ERROR,
     ROUNDINGS,
     SETUPS,
     SHADINGS,
+    SMOOTHNESS,
     STEPPINGS,
     parse_budget,
     parse_limit,
@@ -146,6 +148,22 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
             metavar="STEPS",
             help="Cartoon: diffuse light in so many steps, highlights with a sharp border. Needs a -specular "
             "shading.",
+        ),
+        option(
+            "Shading",
+            "--fit",
+            type=click.Choice(FITS),
+            default=FITS[0],
+            show_default=True,
+            help="Which quadratic a triangle gets: through six samples, the best for the squared or the largest "
+            "error over the whole picture, or one with smaller jumps of the derivative across edges.",
+        ),
+        option(
+            "Shading",
+            "--smoothness",
+            type=float,
+            metavar="PIXELS",
+            help=f"Weight of jumps against errors, with --fit smooth.  [default: {SMOOTHNESS:g}]",
         ),
     ]
 

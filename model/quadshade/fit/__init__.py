@@ -6,7 +6,7 @@ The hardware draws any quadratic. ``elements`` says which sample values neighbou
 error is taken, ``solve`` finds the values for which it is least.
 """
 
-from quadshade.fit.fits import FITS, fit_colours
+from quadshade.fit.fits import fit_colours
 from quadshade.fit.places import PLACES
 
-__all__ = ["FITS", "PLACES", "fit_colours"]
+__all__ = ["PLACES", "fit_colours"]

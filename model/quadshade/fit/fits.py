@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from quadshade.choices import FITS, SMOOTHNESS
 from quadshade.contract.arrays import Floats
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
@@ -22,9 +23,6 @@ from quadshade.shading.material import Material
 from quadshade.shading.reference import quadratic_shape
 from quadshade.shading.sample import CHANNELS, full_scale, reflected
 
-FITS = ("six-point", "least-squares", "minimax", "smooth")
-SMOOTHNESS = 30.0
-"""Default weight of squared jumps against squared errors, ``smooth``."""
 ROUNDS = 16
 """Of weighting the largest errors more, ``minimax``."""
 FLOOR = 0.02

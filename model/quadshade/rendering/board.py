@@ -26,6 +26,7 @@ from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, shade_scene, show_scene
+from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
@@ -116,10 +117,16 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         shaded = shade_scene(settings, scene, formats, reports)
         triangles = shaded.triangles
         width, height = triangles.width, triangles.height
-        board.clear(scene.ground)
-        board.draw(triangles, pack_error, **settings.setup.arguments())
-        picture = board.read(width, height, port.verify)
-        picture = style_on_board(settings, picture, scene, board, reports)
+        frames = []
+        for by in jitter(choice.supersample, formats):
+            placed = replace(scene, projected=moved(scene.projected, by, formats))
+            board.clear(scene.ground)
+            board.draw(moved(triangles, by, formats), pack_error, **settings.setup.arguments())
+            frame = board.read(width, height, port.verify)
+            frames.append(style_on_board(settings, frame, placed, board, reports))
+        picture = mean(frames)
+        if len(triangles) and (picture == np.array(scene.ground)).all():
+            reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
         stats = Stats(
             generics=board.formats.generics(),
             scene=choice.name,
@@ -135,9 +142,18 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     summary = (
         f"{width}x{height}, {len(triangles)} triangles, drawn by the board at {port.name}"
         + (", as the golden model predicts" if port.verify else "")
+        + (f", the mean of {choice.supersample**2} frames" if choice.supersample > 1 else "")
+        + _packing_note(pack_error)
         + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
+
+
+def _packing_note(pack_error: float) -> str:
+    """How far shorter words may take a picture from the model's, and what gives equality."""
+    if pack_error == 0:
+        return ""
+    return f"; its words are packed to {pack_error:g} grey levels, which may move a pixel by one (--pack-error 0: none)"
 
 
 def _simulated_settings(settings: RenderSettings) -> BoardSettings:

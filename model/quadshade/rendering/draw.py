@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from quadshade.rendering.groups import COLOUR_CHANNELS, EngineChoice, SetupChoic
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import Shaded, ShownScene, shade_scene, show_scene
+from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.shading.reference import phong
 
 
@@ -74,25 +76,64 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     reports.step(f"drawing {len(projected)} triangles with the engine {engine}")
     shaded = shade_scene(settings, scene, formats, reports)
     formats = shaded.formats
+    drawing, shown, array, gbuffer = _frame(settings, scene, shaded, engine)
+    if choice.supersample > 1:
+        moves = jitter(choice.supersample, formats)
+        array = mean(_moved_frames(settings, scene, shaded, engine, moves, reports))
+    adaptive, note = adapt_report(settings, scene, shaded, drawing)
+    kind = "adaptive" if adaptive else shading
+    stats = _stats(drawing, choice.name, kind, scene.faces, shown, adaptive, gbuffer)
+    if len(projected) and not (shown >= 0).any():
+        reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
+    clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
+    frames = "" if choice.supersample == 1 else f" a frame, the mean of {choice.supersample**2} frames"
+    summary = (
+        f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels{clocks}{frames}"
+        f"{undefined_note(drawing, settings.setup)}{note}"
+    )
+    triangle, depth = _seen(drawing, shown, formats)
+    return Picture(array, stats, shaded.triangles, triangle, depth, (), summary, settings)
+
+
+class Frame(NamedTuple):
+    """What an engine drew, which of it is seen, the picture with its style, and the G-buffer's counts."""
+
+    drawing: Drawing
+    shown: np.ndarray
+    array: np.ndarray
+    gbuffer: dict[str, Any] | None
+
+
+def _frame(settings: RenderSettings, scene: ShownScene, shaded: Shaded, engine: str) -> Frame:
+    """One frame of a picture, of triangles where they are."""
+    projected, formats = scene.projected, shaded.formats
     drawing = draw(
         shaded.triangles, formats, engine, settings.engine.waves_path, **settings.setup.arguments()
     )
     shown = visible(drawing.pixels, projected.width, projected.height)
     value = drawing.pixels.value
-    if shading == PHONG:
+    if settings.scene.interpolation == PHONG:
         value = _phong_values(scene, drawing, shown, formats)
-    adaptive, note = adapt_report(settings, scene, shaded, drawing)
     array = paint(shown, value, scene.ground, (1 << formats.value_bits) - 1)
     array, gbuffer = draw_style(settings, array, shown, scene, engine)
-    kind = "adaptive" if adaptive else shading
-    stats = _stats(drawing, choice.name, kind, scene.faces, shown, adaptive, gbuffer)
-    clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
-    summary = (
-        f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels{clocks}"
-        f"{undefined_note(drawing, settings.setup)}{note}"
-    )
-    triangle, depth = _seen(drawing, shown, formats)
-    return Picture(array, stats, shaded.triangles, triangle, depth, (), summary, settings)
+    return Frame(drawing, shown, array, gbuffer)
+
+
+def _moved_frames(
+    settings: RenderSettings,
+    scene: ShownScene,
+    shaded: Shaded,
+    engine: str,
+    moves: list[tuple[int, int]],
+    reports: Reports,
+) -> Iterator[np.ndarray]:
+    """(h, w, 3) uint8 frames of the same triangles, each moved; waves and files are of the first frame only."""
+    plain = replace(settings, engine=EngineChoice(engine), style=replace(settings.style, gbuffer=None))
+    for number, by in enumerate(moves, 1):
+        reports.step(f"drawing frame {number} of {len(moves)}")
+        placed = replace(scene, projected=moved(scene.projected, by, shaded.formats))
+        triangles = moved(shaded.triangles, by, shaded.formats)
+        yield _frame(plain, placed, shaded._replace(triangles=triangles), engine).array
 
 
 def _phong_values(scene: ShownScene, drawing: Drawing, shown: np.ndarray, formats: Formats) -> np.ndarray:

@@ -32,6 +32,9 @@ def render(
     material: str | Material = "",
     exponent: float | None = None,
     toon: int | None = None,
+    fit: str = "six-point",
+    smoothness: float | None = None,
+    supersample: int = 1,
     reflectance: str | Reflectance | None = None,
     cull: bool = True,
     crease: float | None = None,
@@ -86,6 +89,13 @@ def render(
       Specular exponent; takes the place of the material's.
     toon : int, optional
       Steps of diffuse light; needs a ``-specular`` shading.
+    fit : str
+      ``six-point``, ``least-squares``, ``minimax`` or ``smooth``: which quadratic a triangle gets
+      (``docs/explanation/fit.md``).
+    smoothness : float, optional
+      Weight of jumps against errors, in pixels, with ``smooth``; 30.
+    supersample : int
+      1, 2 or 4: the picture is the mean of so many times so many frames, each moved by a part of a pixel.
     reflectance : str or callable, optional
       ``module:function``, or a function of point, normal, to_light and to_viewer.
     cull : bool

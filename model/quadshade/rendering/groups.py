@@ -19,6 +19,7 @@ from quadshade.choices import (
     DEFAULT_SIZE,
     EDGE_KINDS,
     EDGE_VARIANTS,
+    FITS,
     GBUFFER_ORDERS,
     MAX_ERROR,
     MEASURES,
@@ -29,6 +30,7 @@ from quadshade.choices import (
     SPACES,
     STEPPINGS,
     STYLES,
+    SUPERSAMPLES,
     check_word,
     parse_budget,
     parse_faults,
@@ -66,10 +68,20 @@ class SceneChoice:
     crease: float | None = None
     background: str | float | Sequence[float] | None = None
     generics: Mapping[str, int] | Sequence[str] | Formats = ()
+    fit: str = FITS[0]
+    smoothness: float | None = None
+    supersample: int = 1
 
     def __post_init__(self) -> None:
         if self.shading is not None:
             check_word("shading", self.shading, SHADINGS)
+        check_word("fit", self.fit, FITS)
+        if self.smoothness is not None and self.fit != "smooth":
+            raise QuadshadeError(f"a smoothness with the fit {self.fit}", "give --fit smooth")
+        if self.supersample not in SUPERSAMPLES:
+            raise QuadshadeError(
+                f"the supersample is {self.supersample}", f"give {', '.join(map(str, SUPERSAMPLES))}"
+            )
 
     @property
     def name(self) -> str:

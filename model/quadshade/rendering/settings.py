@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from quadshade.choices import (
     ADAPTIVE_SHADINGS,
     DEFAULT_SHADING,
+    FITS,
     PHONG,
     SETUPS,
     SHADING_ORDERS,
@@ -128,6 +129,9 @@ class RenderSettings:
         method = self.setup.setup
         if method != SETUPS[0] and not shading.startswith("quadratic"):
             raise QuadshadeError(f"--setup {method} is for quadratic channels, the shading is {shading}")
+        if scene.fit != FITS[0] and (shading != DEFAULT_SHADING or method != SETUPS[0]):
+            what = f"the shading {shading}" if shading != DEFAULT_SHADING else f"--setup {method}"
+            raise QuadshadeError(f"--fit {scene.fit} with {what}", "leave one of them out")
         if scene.toon is not None and shading not in SPECULAR_ORDERS:
             raise QuadshadeError(
                 f"--toon with the shading {shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
@@ -147,6 +151,10 @@ class RenderSettings:
         if self.scene.toon is not None:
             raise QuadshadeError(
                 "--toon with --max-error or --budget, which are about Phong shading", "leave it out"
+            )
+        if self.scene.fit != FITS[0]:
+            raise QuadshadeError(
+                f"--fit {self.scene.fit} with --max-error or --budget, which choose orders", "leave one out"
             )
         if self.setup.setup == "xshading":
             raise QuadshadeError("--setup xshading takes its own samples", "use another --setup")
@@ -231,7 +239,7 @@ def reference_settings(
     """
     kept = {name: generics[name] for name in COVERAGE_GENERICS}
     plain = RenderSettings(
-        replace(settings.scene, shading=PHONG, size=size, generics=kept),
+        replace(settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None),
         style=replace(settings.style, gbuffer=None),
         engine=EngineChoice("model"),
     )

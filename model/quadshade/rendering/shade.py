@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from quadshade.choices import ADAPTIVE_SHADINGS, PHONG, SPECULAR_ORDERS
+from quadshade.choices import ADAPTIVE_SHADINGS, FITS, PHONG, SMOOTHNESS, SPECULAR_ORDERS
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.rendering.groups import SceneChoice
@@ -85,6 +85,8 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
     for note in (*(f"{choice.name}: {text}" for text in mesh.notes), *projected.notes):
         reports.notice(note)
+    if not len(projected):
+        reports.notice(f"the picture is empty: {_why_empty(choice, mesh, camera, formats)}")
     if not formats.with_depth:
         projected = projected.back_to_front()
     if settings.style.style == "gooch":
@@ -92,6 +94,16 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
 
         surface, lights = gooch_material(surface, lights or default_lights(projected.axes))
     return ShownScene(projected, lights, surface, ground, len(mesh))
+
+
+def _why_empty(choice: SceneChoice, mesh: Mesh, camera: Camera, formats: Formats) -> str:
+    """Why no triangle of a mesh is seen, and the option that helps."""
+    if choice.cull and len(project(mesh, camera, *choice.pixels, formats, cull=False)):
+        return "all faces in view look away from the camera; give --no-cull, or look from outside"
+    along = (camera.eye - mesh.vertices) @ camera.axes[2]
+    if camera.ortho is None and not (along > (camera.near or 0)).any():
+        return "everything lies behind the camera or before its near plane; leave out eye= or give from="
+    return "everything lies outside of the view; leave out eye= and target= in --camera, or give from="
 
 
 def _mesh(choice: SceneChoice) -> Mesh:
@@ -169,6 +181,13 @@ def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, r
             check_colours(formats)
     order = "flat" if shading == PHONG else shading
     triangles = sample(projected, order, lights, surface, formats, x_shading)
+    if choice.fit != FITS[0]:
+        from quadshade.fit import fit_colours
+
+        smoothness = SMOOTHNESS if choice.smoothness is None else choice.smoothness
+        triangles = fit_colours(
+            projected, triangles, choice.fit, lights, surface, formats, smoothness=smoothness
+        )
     return Shaded(widened(triangles, formats.num_channels), formats, None)
 
 

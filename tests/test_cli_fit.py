@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``--fit`` and pictures with nothing on them, from the command line and from Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import quadshade
+from quadshade.choices import FITS
+from quadshade.cli.main import main
+from quadshade.image import read_picture
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_fits_are_nearer_to_phong(tmp_path: Path) -> None:
+    words = ["render", "torus:288", "--size", "160x160", "--exponent", "50"]
+    pictures = {}
+    for fit in (*FITS, "phong"):
+        path = tmp_path / f"{fit}.png"
+        more = ["--shading", "phong"] if fit == "phong" else ["--fit", fit]
+        result = run(*words, "-o", path, *more)
+        assert result.exit_code == 0, result.output
+        pictures[fit] = read_picture(path).astype(int)
+    error = {fit: pictures[fit] - pictures["phong"] for fit in FITS}
+    square = {fit: (error[fit] ** 2).mean() for fit in FITS}
+    assert square["least-squares"] < 0.7 * square["six-point"]
+    assert np.abs(error["minimax"]).max() < 0.8 * np.abs(error["six-point"]).max()
+    face = quadshade.render("torus:288", size=(160, 160), exponent=50, fit="least-squares", engine="model")
+    assert (face.array == pictures["least-squares"]).all()
+    assert (
+        face.error_to("phong").psnr
+        > quadshade.render("torus:288", size=(160, 160), exponent=50, engine="model").error_to("phong").psnr
+    )
+
+
+def test_a_fit_goes_to_a_board_and_into_a_packed_picture(tmp_path: Path) -> None:
+    settings = {"size": (32, 24), "fit": "least-squares"}
+    model = quadshade.render("torus:288", engine="model", **settings)
+    with quadshade.Board("sim", engine="model") as board:
+        drawn = quadshade.render("torus:288", port=board, pack_error=0.0, **settings)
+    assert (drawn.array == model.array).all()
+    six, fitted = tmp_path / "six.qs", tmp_path / "fitted.qs"
+    assert run("pack", "torus:288", "-o", six, "--size", "64x48").exit_code == 0
+    assert run("pack", "torus:288", "-o", fitted, "--size", "64x48", "--fit", "least-squares").exit_code == 0
+    assert six.read_bytes() != fitted.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--fit", "minimax", "--shading", "gouraud"), "--fit minimax with the shading gouraud"),
+        (("--fit", "smooth", "--setup", "abbas"), "--fit smooth with --setup abbas"),
+        (("--fit", "smooth", "--max-error", "2"), "--fit smooth with --max-error or --budget"),
+        (("--smoothness", "3"), "a smoothness with the fit six-point"),
+        (("--fit", "smooth", "--smoothness", "-3"), "smoothness is -3"),
+        (("--supersample", "3"), "'3' is not one of"),
+    ],
+)
+def test_what_excludes_itself_is_one_line(tmp_path: Path, arguments: tuple[str, ...], message: str) -> None:
+    output = tmp_path / "out.png"
+    result = run("render", "torus:288", "--size", "32x32", "-o", output, *arguments)
+    assert result.exit_code == 2 and not output.exists()
+    assert message in result.output and len(result.output.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("camera", "reason"),
+    [
+        ("eye=0,0,0.1", "all faces in view look away from the camera; give --no-cull"),
+        ("eye=0,0,5,target=0,0,9", "everything lies behind the camera"),
+        ("eye=0,0,5,target=5,0,5", "everything lies outside of the view"),
+        ("ortho=400", "no triangle covers a pixel's centre"),
+    ],
+)
+@pytest.mark.parametrize("port", [False, True])
+def test_an_empty_picture_says_why(tmp_path: Path, camera: str, reason: str, port: bool) -> None:
+    words = ["render", "sphere:168", "--size", "32x24", "-o", tmp_path / "out.png", "--camera", camera]
+    result = run(*words, *(["--port", "sim", "--engine", "model"] if port else []))
+    assert result.exit_code == 0
+    assert f"notice: the picture is empty: {reason}" in result.output
+
+
+def test_a_board_says_what_packing_may_change(tmp_path: Path) -> None:
+    words = ["render", "sphere:168", "--size", "32x24", "-o", tmp_path / "out.png", "--port", "sim"]
+    assert "(--pack-error 0: none)" in run(*words, "--engine", "model").output
+    assert "packed to" not in run(*words, "--engine", "model", "--pack-error", "0").output
