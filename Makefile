@@ -140,6 +140,10 @@ adapt: setup ## adaptive pictures beside fixed choices, error against bytes; wri
 shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
 	@$(VENV) -m scripts.experiments.shade_table
 
+.PHONY: fits
+fits: setup ## fits beside six points: error, jumps, time; writes docs/reports/fits.md
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.fits
+
 .PHONY: mesh-readers
 mesh-readers: setup ## readers of mesh files over the tests' cases; writes docs/reports/mesh_readers.md
 	@$(VENV) -m scripts.experiments.mesh_readers
