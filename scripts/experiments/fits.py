@@ -126,14 +126,15 @@ def report(results: dict) -> str:
     ]
     header = ("scene", "exponent", "fit", "PSNR, dB", "largest error", "RMS jump")
     about = f"""
-    Written by `{results["command"]}` (`make fits`): {results["size"]}x{results["size"]} pixels, 8 bits, default lights, quadratic
-    colours, drawn by the golden model; errors in grey levels against rounded Phong shading of the same mesh, over every pixel
-    drawn. The words, bytes and clocks of a triangle are those of six points. *Jump* is that of the colour's derivative across
-    shared edges, in grey levels per pixel, in float. Places and weights stand behind the fit's name; [fit](../explanation/fit.md)
-    explains them.
+    Written by `{results["command"]}` (`make fits`): {results["size"]}x{results["size"]} pixels, 8 bits,
+    default lights, quadratic colours, drawn by the golden model; errors in grey levels against rounded Phong
+    shading of the same mesh, over every pixel drawn. The words, bytes and clocks of a triangle are those of
+    six points. *Jump* is that of the colour's derivative across shared edges, in grey levels per pixel, in
+    float. Places and weights stand behind the fit's name; [fit](../explanation/fit.md) explains them.
     """
     speed = """
-    Processor time of a fit, as a ratio to sampling six points and setting the triangles up, both in one run, the least of three.
+    Processor time of a fit, as a ratio to sampling six points and setting the triangles up, both in one run,
+    the least of three.
     """
     ratios = [(row["what"], row["triangles"], f"{row['ratio']:.2f}") for row in results["times"]]
     return "\n\n".join(

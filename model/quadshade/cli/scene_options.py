@@ -155,8 +155,8 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
             type=click.Choice(FITS),
             default=FITS[0],
             show_default=True,
-            help="Which quadratic a triangle gets: through six samples, the best for the squared or the largest "
-            "error over the whole picture, or one with smaller jumps of the derivative across edges.",
+            help="Which quadratic a triangle gets: through six samples, the best for the squared or the "
+            "largest error over the whole picture, or one with smaller jumps of the derivative across edges.",
         ),
         option(
             "Shading",

@@ -56,7 +56,7 @@ def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse
 
 
 def _shared_edges(elements: Elements) -> tuple[Ints, Ints]:
-    """(e, 2) triangles on both sides of edges whose unknown exactly two share, and (e, 2) which edge it is."""
+    """(e, 2) triangles on both sides of edges that exactly two share, and (e, 2) which edge it is."""
     middles = elements.index[:, 3:].reshape(-1)
     order = np.argsort(middles, kind="stable")
     counts = np.bincount(middles, minlength=len(elements.start))

@@ -2,8 +2,8 @@
 """
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
-The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. From the six
-points on, scaled by its diagonal, some tens of steps suffice however many triangles there are.
+The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. From the
+six points on, scaled by its diagonal, some tens of steps suffice however many triangles there are.
 """
 
 from __future__ import annotations

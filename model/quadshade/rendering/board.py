@@ -153,7 +153,10 @@ def _packing_note(pack_error: float) -> str:
     """How far shorter words may take a picture from the model's, and what gives equality."""
     if pack_error == 0:
         return ""
-    return f"; its words are packed to {pack_error:g} grey levels, which may move a pixel by one (--pack-error 0: none)"
+    return (
+        f"; its words are packed to {pack_error:g} grey levels, which may move a pixel by one"
+        " (--pack-error 0: none)"
+    )
 
 
 def _simulated_settings(settings: RenderSettings) -> BoardSettings:

@@ -88,8 +88,8 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
     frames = "" if choice.supersample == 1 else f" a frame, the mean of {choice.supersample**2} frames"
     summary = (
-        f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels{clocks}{frames}"
-        f"{undefined_note(drawing, settings.setup)}{note}"
+        f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels"
+        f"{clocks}{frames}{undefined_note(drawing, settings.setup)}{note}"
     )
     triangle, depth = _seen(drawing, shown, formats)
     return Picture(array, stats, shaded.triangles, triangle, depth, (), summary, settings)
@@ -127,7 +127,7 @@ def _moved_frames(
     moves: list[tuple[int, int]],
     reports: Reports,
 ) -> Iterator[np.ndarray]:
-    """(h, w, 3) uint8 frames of the same triangles, each moved; waves and files are of the first frame only."""
+    """(h, w, 3) uint8 frames of the same triangles, each moved; without waves and files."""
     plain = replace(settings, engine=EngineChoice(engine), style=replace(settings.style, gbuffer=None))
     for number, by in enumerate(moves, 1):
         reports.step(f"drawing frame {number} of {len(moves)}")
