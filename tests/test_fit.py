@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fits over the whole mesh: nearer to Phong than six points, watertight, and never worse off for bad meshes."""
+"""Fits over the whole mesh: nearer to Phong than six points, watertight, and no worse for bad meshes."""
 
 from __future__ import annotations
 
@@ -139,13 +139,13 @@ def test_creases_and_colour_seams_keep_their_own_values() -> None:
     mesh = load_scene("cube:1")
     projected = project(mesh, parse_camera("from=1,0.8,1.2", mesh), 64, 64)
     index = shared_elements(sample(projected)).index
-    # Three faces of two triangles; the two of a face share four corners, an edge, and four edges of their own.
+    # Three faces of two triangles; the two of a face share four corners and an edge, and have four more.
     assert index.max() + 1 == 3 * (4 + 5)
 
 
 @pytest.mark.parametrize("fit", FITS)
 def test_bad_meshes_are_drawn_as_sampled_or_better(fit: str) -> None:
-    """Three triangles at one edge, one without area, one turned over, one of no pixel, one far too large."""
+    """Three triangles at one edge, one without area, one turned over, one of no pixel, a huge one."""
     vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.2], [0.5, 1, -1], [0.2, 0.2, 0], [0.2001, 0.2, 0]]
     vertices += [[0.2, 0.2001, 0], [-900, -900, -1], [900, -900, -1], [0, 900, -1]]
     faces = [[0, 1, 2], [1, 3, 2], [1, 4, 2], [0, 0, 1], [2, 1, 0], [5, 6, 7], [8, 9, 10]]

@@ -21,7 +21,7 @@ def test_a_cartoon_has_few_tones(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, [*arguments, "--style", "cartoon", "--toon", "3"])
     assert result.exit_code == 0, result.output
     _, counts = np.unique(read_picture(path).reshape(-1, 3), axis=0, return_counts=True)
-    # Three levels, a highlight over one or two of them, paper; their borders are blended over two pixels or so,
+    # Three levels, a highlight over one or two of them, paper; their borders are blended over a pixel or two,
     # and of 160 x 160 pixels 1,500 lie there.
     wide = counts > 0.002 * counts.sum()
     assert wide.sum() in (4, 5, 6)
