@@ -120,6 +120,10 @@ boardspeed: setup ## triangles a second, line load of the simulated board; docs/
 hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed
 
+.PHONY: helpspeed
+helpspeed: setup ## processor time of help and completion, beside an earlier commit; docs/reports/helpspeed.md
+	@$(VENV) -m scripts.experiments.help_speed
+
 .PHONY: stability
 stability: setup ## compare set-up methods with exact rationals, write docs/reports/stability.md
 	@$(VENV) -m scripts.experiments.setup_stability
