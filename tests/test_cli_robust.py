@@ -94,6 +94,31 @@ def test_pixels_may_go_nowhere(triangles: Path) -> None:
     assert Path(os.devnull).is_char_device()
 
 
+def test_what_is_redirected_is_neither_replaced_nor_cut(triangles: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    log.write_text("before\n")
+    command = [sys.executable, "-m", "quadshade", "raster", triangles, "-o", tmp_path / "pixels.npz"]
+    for path in ("/dev/stdout", "/proc/self/fd/1"):
+        with log.open("a") as stream:
+            subprocess.run([*command, "--engine", "model", "--stats", path], stdout=stream, check=True)
+    text = log.read_text()
+    assert text.startswith("before\n{") and text.count('"clocks": ') == 2 == text.count("pixels.npz: ")
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no /proc")
+def test_a_folder_that_holds_no_files_is_said_before_the_work(triangles: Path, tmp_path: Path) -> None:
+    """Root may write everywhere by its permissions."""
+    output = tmp_path / "pixels.npz"
+    assert is_one_line(quadshade("raster", triangles, "-o", output, "--stats", "/proc/stats.json"))
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("command", ("render", "pack", "trade"))
+def test_an_empty_size_is_none(tmp_path: Path, command: str) -> None:
+    result = quadshade(command, "cube:1", "-o", tmp_path / "a", "--size", "")
+    assert is_one_line(result) and not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("text", ("frac_bits=1_0", "frac_bits=\u0663", "frac_bits=1e1", "frac_bits="))
 def test_a_generic_is_a_plain_decimal_number(text: str) -> None:
     with pytest.raises(QuadshadeError, match="whole number"):

@@ -138,7 +138,7 @@ def trade(
     base = Formats().with_generics(parse_generics(generics))
     if base.num_channels != 3:
         raise QuadshadeError(f"generic num_channels is {base.num_channels}", "a picture needs 3")
-    width, height = parse_size(size or DEFAULT_SIZE)
+    width, height = parse_size(DEFAULT_SIZE if size is None else size)
     view = View(scene, width, height, camera, lights, material, exponent, crease, cull)
     divisions = _words(subdivisions)
     usual = DEFAULT_SHADINGS if WHOLE in divisions else USUAL_SHADINGS

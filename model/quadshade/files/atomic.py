@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -12,10 +14,42 @@ from typing import Any
 
 from quadshade.errors import QuadshadeError
 
+LINKS = 40
+"""So many links does the system follow."""
+
 
 def _is_device(path: Path) -> bool:
     """Whether a path is a device or a pipe: something to write to, not to replace."""
     return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def _descriptor(path: Path) -> int | None:
+    """Which of this process's open files a path as ``/dev/stdout`` stands for; None for other paths."""
+    steps = 0
+    while path.is_symlink() and steps < LINKS:
+        if re.fullmatch(rf"/proc/{os.getpid()}(/task/[0-9]+)?/fd", os.path.realpath(path.parent)):
+            return int(path.name)
+        path = path.parent / os.readlink(path)
+        steps += 1
+    return None
+
+
+def _write_descriptor(number: int, content: bytes) -> None:
+    """Write where an open file stands: what was redirected to a file is neither replaced nor cut."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:
+            stream.flush()
+    with os.fdopen(os.dup(number), "wb") as file:
+        file.write(content)
+
+
+def _can_hold_files(folder: Path) -> bool:
+    """Whether a file can be made in a folder; its permissions do not say so of ``/proc``."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
 
 
 def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
@@ -31,7 +65,9 @@ def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
     """
     taken = {os.path.realpath(path): "is read as well" for path in inputs}
     for path in paths:
-        if path is None or (_is_device(path) and os.access(path, os.W_OK)):
+        if path is None or _descriptor(path) is not None:
+            continue
+        if _is_device(path) and os.access(path, os.W_OK):
             continue
         folder = path.parent
         if not folder.is_dir():
@@ -39,7 +75,11 @@ def check_writable(*paths: Path | None, inputs: Iterable[Path] = ()) -> None:
         place = os.path.realpath(path)
         # The file is made beside the old one, which it then takes the place of.
         needed = [Path(place).parent, *([path] if path.exists() else [])]
-        if path.is_dir() or not all(os.access(one, os.W_OK) for one in needed):
+        if (
+            path.is_dir()
+            or not all(os.access(one, os.W_OK) for one in needed)
+            or not _can_hold_files(needed[0])
+        ):
             raise QuadshadeError(f"cannot write {path}", "choose another path")
         if place in taken:
             raise QuadshadeError(f"cannot write {path}: it {taken[place]}", "choose another path")
@@ -50,7 +90,8 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
     """
     Let ``write`` fill a temporary file beside ``path``, then move it there, so that no half file remains.
 
-    A link stays one, and the file that it points to is replaced; a device or a pipe is written directly.
+    A link stays one, and the file that it points to is replaced; a device, a pipe or what is open already
+    (``/dev/stdout``) is written directly.
 
     Parameters
     ----------
@@ -65,11 +106,16 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
     """
     temporary = None
     try:
-        if _is_device(path):
+        number = _descriptor(path)
+        if number is not None or _is_device(path):
             with tempfile.TemporaryDirectory() as folder:
                 filled = Path(folder) / path.name
                 write(filled)
-                path.write_bytes(filled.read_bytes())
+                content = filled.read_bytes()
+            if number is None:
+                path.write_bytes(content)
+            else:
+                _write_descriptor(number, content)
             return
         path = Path(os.path.realpath(path))
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)

@@ -96,9 +96,9 @@ class SceneChoice:
     @property
     def pixels(self) -> tuple[int, int]:
         """Width and height."""
-        if isinstance(self.size, tuple):
-            return parse_size("x".join(map(str, self.size)))
-        return parse_size(self.size or DEFAULT_SIZE)
+        if self.size is None or isinstance(self.size, str):
+            return parse_size(DEFAULT_SIZE if self.size is None else self.size)
+        return parse_size("x".join(map(str, self.size)))
 
     @property
     def ground(self) -> tuple[int, int, int]:
