@@ -217,6 +217,33 @@ def test_what_is_no_scene_is_said(scene: object) -> None:
         quadshade.render(scene, **SMALL)
 
 
+@pytest.mark.parametrize(
+    "value", (None, "", -1.5, 1j, b"1", (), [None], {"a": 1}, np.zeros(3), np.zeros((2, 2)), object), ids=str
+)
+@pytest.mark.parametrize("name", sorted(set(inspect.signature(quadshade.render).parameters) - {"reports"}))
+def test_a_value_of_another_kind_is_drawn_or_said(name: str, value: object) -> None:
+    """Each keyword takes its own kinds, and says so of all others."""
+    keywords = SMALL | {"scene": "cube:1", "edges": "inner", "shading": "quadratic-specular", name: value}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            picture = quadshade.render(**keywords)
+        except quadshade.QuadshadeError as error:
+            assert str(error) and "\n" not in str(error)
+        else:
+            assert picture.array.dtype == np.uint8
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    ({"size": ""}, {"size": 0}, {"engine": ""}, {"budget": (1, 2)}, {"generics": ""}, {"cull": "no"}),
+)
+def test_a_value_of_another_kind_is_not_taken_for_a_default(keywords: dict) -> None:
+    (name,) = keywords
+    with pytest.raises(quadshade.QuadshadeError, match=name):
+        quadshade.render("cube:1", **(SMALL | keywords))
+
+
 def test_a_picture_is_a_png(sphere: quadshade.Picture, tmp_path: Path) -> None:
     with pytest.raises(quadshade.QuadshadeError, match="ends in .png"):
         sphere.save(tmp_path / "a.jpg")

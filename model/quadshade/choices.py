@@ -77,7 +77,7 @@ _BUDGET = re.compile(r"([0-9]{1,15})(bytes|clocks)?")
 
 def check_word(what: str, value: object, words: tuple[str, ...]) -> None:
     """Refuse a word that is not one of some; raises :class:`QuadshadeError`."""
-    if value not in words:
+    if not isinstance(value, str) or value not in words:
         raise QuadshadeError(f"the {what} is {value!r}", f"give one of {', '.join(words)}")
 
 

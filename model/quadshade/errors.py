@@ -17,6 +17,8 @@ class QuadshadeError(Exception):
     """
 
     def __init__(self, message: str, hint: str = "") -> None:
-        super().__init__(f"{message}; {hint}" if hint else message)
+        text = f"{message}; {hint}" if hint else message
+        # What a user gave, as an array, may be shown on several lines.
+        super().__init__(" ".join(text.split()) if len(text.splitlines()) > 1 else text)
         self.message = message
         self.hint = hint

@@ -351,6 +351,10 @@ def draw_triangles(
     if isinstance(triangles, ScreenTriangles):
         name, loaded = "triangles", triangles
         formats = triangle_formats(triangles).with_generics(generics)
+    elif not isinstance(triangles, str | Path):
+        raise QuadshadeError(
+            f"the triangles are of type {type(triangles).__name__}", "give a path or ScreenTriangles"
+        )
     else:
         name = str(triangles)
         loaded, formats = open_triangles(Path(triangles), generics)

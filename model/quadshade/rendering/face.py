@@ -11,8 +11,9 @@ from quadshade.contract.formats import Formats, parse_generics
 from quadshade.contract.triangles import Drawing, ScreenTriangles
 from quadshade.rendering.draw import draw_triangles, render_picture
 from quadshade.rendering.groups import EngineChoice, SetupChoice
+from quadshade.rendering.keywords import check_kind
 from quadshade.rendering.picture import Picture
-from quadshade.rendering.settings import RenderSettings, Reports
+from quadshade.rendering.settings import RenderSettings, Reports, collect
 
 if TYPE_CHECKING:
     import trimesh
@@ -193,8 +194,10 @@ def draw(
     QuadshadeError
       A malformed file, triangles that the core cannot draw, or an engine that is not installed.
     """
+    keywords = dict(locals())
+    check_kind("generics", generics, ())
     if isinstance(generics, Formats):
         generics = generics.generics()
     values = dict(generics) if isinstance(generics, Mapping) else parse_generics(generics)
-    choice = SetupChoice(setup, rounding, stepping, strict, divide)
-    return draw_triangles(triangles, values, choice, EngineChoice(engine, waves))
+    choice, drawn_by = collect(SetupChoice, keywords), collect(EngineChoice, keywords)
+    return draw_triangles(triangles, values, choice, drawn_by)

@@ -29,6 +29,7 @@ from quadshade.rendering.groups import (
     SetupChoice,
     StyleChoice,
 )
+from quadshade.rendering.keywords import check_kind
 from quadshade.style.illustrate import TOON_STEPS
 
 Kind = TypeVar("Kind")
@@ -64,9 +65,18 @@ class Reports:
 
 
 def collect(kind: type[Kind], keywords: Mapping[str, Any]) -> Kind:
-    """An object of a frozen dataclass from the keywords that have the names of its fields."""
-    names = (one.name for one in fields(kind))  # type: ignore[arg-type]
-    return kind(**{name: keywords[name] for name in names if name in keywords})
+    """
+    An object of a frozen dataclass from the keywords that have the names of its fields.
+
+    Raises
+    ------
+    QuadshadeError
+      A value of another kind than its keyword takes, or one that the class refuses.
+    """
+    given = {one.name: one.default for one in fields(kind) if one.name in keywords}  # type: ignore[arg-type]
+    for name, default in given.items():
+        check_kind(name, keywords[name], default)
+    return kind(**{name: keywords[name] for name in given})
 
 
 @dataclass(frozen=True)
