@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import FEATURES
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.image import read_picture, resolve
@@ -159,6 +160,49 @@ def test_too_large_for_the_screen() -> None:
         pytest.raises(QuadshadeError, match=message),
     ):
         board.draw(triangles)
+
+
+@pytest.mark.parametrize(
+    "misuse",
+    (
+        lambda board, _: board.clear((300, 0, 0)),
+        lambda board, _: board.clear((0, 0, 0.5)),
+        lambda board, _: board.clear((1, 2)),
+        lambda board, _: board.clear(5),
+        lambda board, _: board.draw("sphere:168"),
+        lambda board, triangles: board.draw(triangles, limit=float("nan")),
+        lambda board, _: board.send([1, 2]),
+        lambda board, _: board.send(np.full(3, np.nan)),
+        lambda board, _: board.read(0, 5),
+        lambda board, _: board.read(-1),
+        lambda board, _: board.read(1.5),
+    ),
+)
+def test_misuse_is_said_and_does_no_harm(misuse: Callable[[Board, ScreenTriangles], object]) -> None:
+    triangles = seen("sphere:24", Formats(), (48, 32))
+    with Board("sim", settings=SMALL, engine="model") as board:
+        board.clear(np.array((1, 2, 3)))
+        with pytest.raises(QuadshadeError):
+            misuse(board, triangles)
+        assert (board.read() == (1, 2, 3)).all()
+    with pytest.raises(QuadshadeError, match="the board is closed; open another"):
+        board.read()
+    assert board.simulated is None
+
+
+@pytest.mark.parametrize(
+    ("port", "keywords"),
+    (
+        (1, {}),
+        (b"sim", {}),
+        ("sim", {"baud": 0}),
+        ("sim", {"answer_seconds": -1}),
+        ("sim", {"answer_seconds": 0}),
+    ),
+)
+def test_a_board_takes_what_it_says_it_takes(port: object, keywords: dict) -> None:
+    with pytest.raises(QuadshadeError, match="give"):
+        Board(port, settings=SMALL, engine="model", **keywords)
 
 
 def test_a_killed_host_leaves_the_board_to_the_next(tmp_path: Path) -> None:

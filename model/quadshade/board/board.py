@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from quadshade.board.fallbacks import grey, host_formats, matched_channels, painters_order
+from quadshade.board.fallbacks import clear_word, host_formats, matched_channels, painters_order
 from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
@@ -104,11 +104,12 @@ class Board(BoardReader):
         self._reconnect_seconds = reconnect_seconds
         self._faulty: FaultyTransport | None = None
         self._start, self._triangles = time.monotonic(), 0
+        self._closed = False
         try:
             line: Transport = self._port.open()
             if faults is not None:
                 line = self._faulty = FaultyTransport(line, *faults)
-            seconds = answer_seconds or self._port.answer_seconds
+            seconds = self._port.seconds_of(answer_seconds)
             self.session = Session(line, seconds, trace=trace, reopen=self._reopen)
             self._port.agree(self.session)
             # A simulated board has been compiled by now, which is no part of a rate.
@@ -131,6 +132,8 @@ class Board(BoardReader):
 
     def _reopen(self) -> Transport:
         """The line anew, as damaged as before."""
+        if self._closed:
+            raise LinkError("the board is closed", "open another one")
         self.session.transport.close()
         line = self._port.reopen(self._reconnect_seconds)
         if self._port.baud is not None:
@@ -142,7 +145,8 @@ class Board(BoardReader):
         return self._faulty
 
     def close(self) -> None:
-        """Give the line up, and stop a simulated board."""
+        """Give the line up, and stop a simulated board; nothing can be drawn or read after it."""
+        self._closed = True
         if hasattr(self, "session"):
             self.session.transport.close()
         self._port.close()
@@ -200,11 +204,13 @@ class Board(BoardReader):
         Parameters
         ----------
         colour : 3 ints
+
+        Raises
+        ------
+        QuadshadeError
+          Other than three whole numbers from 0 to 255.
         """
-        levels = list(colour)
-        if self.formats.emitted_channels == 1:
-            levels = np.rint(grey(np.array(levels, float))).astype(int).tolist()
-        self._begin(sum(level << 8 * index for index, level in enumerate(levels)))
+        self._begin(clear_word(colour, self.formats))
 
     def _begin(self, word: int) -> None:
         """CLEAR, and a journal that begins with it."""
@@ -264,8 +270,8 @@ class Board(BoardReader):
         QuadshadeError
           The picture is larger than the screen, or the triangles have channels that the board cannot draw.
         """
-        self._check_size(triangles.width, triangles.height)
         matched, notices = matched_channels(triangles, self.formats)
+        self._check_size(matched.width, matched.height)
         if self.formats.with_depth == 0 and matched.depth is not None:
             matched = painters_order(matched)
             notices += self._painters_notice(matched, limit, setup)
@@ -287,7 +293,16 @@ class Board(BoardReader):
         words : (m,) uint32
         triangles : int
           How many they draw, for the progress.
+
+        Raises
+        ------
+        QuadshadeError
+          Something else than an array of words.
         """
+        if not isinstance(words, np.ndarray) or words.ndim != 1 or words.dtype != np.uint32:
+            raise QuadshadeError(
+                "what is to be sent is no row of uint32 words", "send those of pack_primitives"
+            )
         self._do(lambda: self._stream(words, triangles))
         self._triangles += triangles
         self._expected.triangles(words.tolist())

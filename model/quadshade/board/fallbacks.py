@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from operator import index
 
 import numpy as np
 
@@ -41,6 +43,32 @@ def grey(picture: np.ndarray) -> np.ndarray:
     return picture @ LUMINANCE[:, None]
 
 
+def clear_word(colour: Sequence[int], formats: Formats) -> int:
+    """
+    The word of CLEAR for a colour.
+
+    Parameters
+    ----------
+    colour : 3 ints
+      0 .. 255; a board of one channel gets its luminance.
+    formats : Formats
+
+    Raises
+    ------
+    QuadshadeError
+      Other than three whole numbers in range.
+    """
+    try:
+        levels = [index(level) for level in colour]
+    except TypeError:
+        levels = []
+    if len(levels) != COLOURS or not all(0 <= level <= 255 for level in levels):
+        raise QuadshadeError(f"the colour is {colour!r}", "give three whole numbers from 0 to 255")
+    if formats.emitted_channels == 1:
+        levels = np.rint(grey(np.array(levels, float))).astype(int).tolist()
+    return sum(level << 8 * place for place, level in enumerate(levels))
+
+
 def matched_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[ScreenTriangles, list[str]]:
     """
     The triangles with the board's channels and orders.
@@ -60,8 +88,10 @@ def matched_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[Scre
     Raises
     ------
     QuadshadeError
-      Channels that cannot be made the board's.
+      No triangles, or channels that cannot be made the board's.
     """
+    if not isinstance(triangles, ScreenTriangles):
+        raise QuadshadeError(f"the triangles are of type {type(triangles).__name__}", "give ScreenTriangles")
     notices = []
     got, wanted = len(triangles.channels), formats.num_channels
     if triangles.shade is not None and (got != wanted or not formats.with_shade):

@@ -32,6 +32,9 @@ RECONNECT_SECONDS = 30.0
 
 POLL_SECONDS = 0.1
 
+LEAST_SECONDS, MOST_SECONDS = 0.001, 1e6
+"""Range of the time-out of an answer."""
+
 
 def candidates() -> list[str]:
     """Serial ports of this machine, those of USB bridges first."""
@@ -108,6 +111,23 @@ class Port:
     def answer_seconds(self) -> float:
         """Time-out of an answer."""
         return SIMULATED_SECONDS[board_engine(self.engine)] if self.is_simulated else ANSWER_SECONDS
+
+    def seconds_of(self, given: float | None) -> float:
+        """
+        The time-out of an answer, given or that of the port.
+
+        Raises
+        ------
+        QuadshadeError
+          It is out of range.
+        """
+        seconds = self.answer_seconds if given is None else given
+        if not isinstance(seconds, int | float) or not LEAST_SECONDS <= seconds <= MOST_SECONDS:
+            raise QuadshadeError(
+                f"the time-out of an answer is {seconds!r}",
+                f"give {LEAST_SECONDS:g} to {MOST_SECONDS:g} seconds",
+            )
+        return seconds
 
     def open(self) -> SerialTransport:
         """

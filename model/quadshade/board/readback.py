@@ -29,6 +29,9 @@ class BoardReader:
     _report: Callable[[str, float, float], None]
 
     def _check_size(self, width: int, height: int) -> None:
+        for name, number in (("width", width), ("height", height)):
+            if not isinstance(number, int | np.integer) or number < 1:
+                raise QuadshadeError(f"the picture's {name} is {number!r}", "give a whole number from 1")
         if width > self.width or height > self.height:
             raise QuadshadeError(
                 f"the picture has {width}x{height} pixels, the board's screen {self.width}x{self.height}",
@@ -60,7 +63,8 @@ class BoardReader:
           The board has no such plane, or what it shows is not what the golden model predicts.
         """
         number = self._plane(plane)
-        width, height = width or self.width, height or self.height
+        width = self.width if width is None else width
+        height = self.height if height is None else height
         self._check_size(width, height)
 
         def report(done: int, total: int) -> None:

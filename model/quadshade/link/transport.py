@@ -344,7 +344,7 @@ def baud_of(baud: int | None) -> int | None:
     LinkError
       The variable is no rate.
     """
-    rate = str(baud or os.environ.get("QUADSHADE_BAUD") or "")
+    rate = str((os.environ.get("QUADSHADE_BAUD") or "") if baud is None else baud)
     if not rate:
         return None
     if not rate.isdecimal() or not int(rate):
@@ -364,4 +364,8 @@ def open_transport(port: Any = None, baud: int | None = None) -> SerialTransport
     port = port or os.environ.get("QUADSHADE_PORT")
     if not port:
         raise LinkError("no port is given", "give one, or set QUADSHADE_PORT")
+    if not isinstance(port, str) and not (hasattr(port, "read") and hasattr(port, "write")):
+        raise LinkError(
+            f"the port is of type {type(port).__name__}", "give a name, a URL or an open serial object"
+        )
     return SerialTransport(port, baud_of(baud) or DEFAULT_BAUD)

@@ -210,6 +210,8 @@ def setup_triangles(
     """
     if rounding not in ROUNDINGS:
         raise QuadshadeError(f"rounding is {rounding!r}", f"give one of {', '.join(ROUNDINGS)}")
+    if limit is not None and not limit > 0:
+        raise QuadshadeError(f"the limit is {limit} grey levels", "give a number above 0")
     _check_geometry(triangles, formats)
     samples, orders = _checked_channels(triangles, formats)
     vertices = np.ascontiguousarray(triangles.vertices, dtype=np.int64)
