@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures that stand in sentences of README and pages, and that no script writes there, are measured again."""
+"""Figures in sentences of README and pages, which no script writes there, are measured again."""
 
 from __future__ import annotations
 
@@ -131,6 +131,6 @@ def test_an_estimate_is_no_bound(scene: str, share: float, largest: float) -> No
     assert round(figures.largest, 1) == largest
     assert says(
         "docs/guide/adapt.md",
-        "with `--no-verify` two pixels in a thousand of torus:288 at 512² exceed a limit of 1 grey level, by up"
-        " to two, and of sphere:690 one in a hundred thousand",
+        "with `--no-verify` two pixels in a thousand of torus:288 at 512² exceed a limit of 1 grey level,"
+        " by up to two, and of sphere:690 one in a hundred thousand",
     )
