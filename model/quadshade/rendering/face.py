@@ -85,7 +85,8 @@ def render(
       As ``--light``, or objects of :mod:`quadshade.shading`; by default white light that goes with the
       viewer.
     material : str or Material
-      As ``--material``, or an object.
+      As ``--material``, or an object: ``Material()`` has more highlight and less ambient light than the
+      default here, which is ``quadshade.shading.material.PICTURE_MATERIAL``.
     exponent : float, optional
       Specular exponent; takes the place of the material's.
     toon : int, optional

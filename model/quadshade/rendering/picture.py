@@ -95,7 +95,7 @@ class Stats:
         }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Picture:
     """
     What :func:`quadshade.render` has drawn; a notebook shows it.
@@ -126,7 +126,11 @@ class Picture:
     depth: np.ndarray | None
     notes: tuple[str, ...]
     summary: str
-    settings: RenderSettings = field(repr=False)
+    settings: RenderSettings
+
+    def __repr__(self) -> str:
+        """One line, as the command line prints it."""
+        return f"<Picture {self.stats.scene}: {self.summary}>".replace("\n", ";")
 
     @property
     def covered(self) -> np.ndarray | None:
@@ -172,6 +176,11 @@ class Picture:
             other = reference
         elif reference == PHONG:
             other = self._phong().array
+        elif not isinstance(reference, str | Path):
+            raise QuadshadeError(
+                f"the reference is of type {type(reference).__name__}",
+                "give 'phong', a picture, an array or a file's name",
+            )
         else:
             other = read_picture(Path(reference))
         return compare(self.array, other)
