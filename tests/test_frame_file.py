@@ -186,6 +186,7 @@ def test_pack_and_dump(tmp_path: Path) -> None:
     assert code == 0
     assert said.startswith(short)
     assert short.count("packet ") == 2
+    assert "colour value below " in short and "depth d_row top " in short and ", y " in short
 
 
 def test_exact_packing_draws_what_render_draws(tmp_path: Path) -> None:

@@ -220,7 +220,7 @@ def test_over_a_pseudo_terminal(words: np.ndarray, monkeypatch: pytest.MonkeyPat
 
 def test_ports_that_cannot_be_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("QUADSHADE_PORT", raising=False)
-    with pytest.raises(LinkError, match="no port is given; give one"):
+    with pytest.raises(LinkError, match="no port is given; give sim, auto or a port"):
         open_transport()
     with pytest.raises(LinkError, match="is the board plugged in"):
         open_transport(str(tmp_path / "missing"))

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 from packaging.requirements import Requirement
 
 from tests.support.pages import ROOT, documented_commands, pages
@@ -57,6 +58,24 @@ def test_documented_commands_exist() -> None:
         options = {name for option in parameters for name in (*option.opts, *option.secondary_opts)}
         given = {word.split("=")[0] for word in words[1:] if re.match(r"--?[a-z]", word)}
         assert given <= options | {"--help"}, words
+
+
+def test_the_help_shows_every_command_in_a_whole_sentence() -> None:
+    group = command_line()
+    shown = CliRunner().invoke(group, ["--help"]).output.partition("Commands:")[2]
+    for name in group.commands:
+        assert re.search(rf"^  {name} +[A-Z].*[a-z)]\.$", shown, re.MULTILINE), name
+    assert "..." not in shown
+
+
+def test_pages_and_reports_have_titles_of_their_own() -> None:
+    titles = [
+        line
+        for page in sorted((ROOT / "docs").rglob("*.md"))
+        for line in page.read_text().splitlines()[:4]
+        if line.startswith("# ")
+    ]
+    assert len(titles) > 40 and len(set(titles)) == len(titles)
 
 
 def test_documented_links_lead_somewhere() -> None:

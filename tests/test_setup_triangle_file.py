@@ -184,6 +184,13 @@ def test_faults_are_named(tmp_path: Path, what: object, message: str) -> None:
     assert "\n" not in text
 
 
+def test_a_mesh_is_no_triangles_file() -> None:
+    with pytest.raises(QuadshadeError) as caught:
+        open_triangles(Path(__file__).parents[1] / "examples" / "part.stl", {})
+    assert "not JSON" in str(caught.value) and "codec" not in str(caught.value)
+    assert "quadshade render" in caught.value.hint
+
+
 @pytest.mark.parametrize(
     "generics, message",
     (

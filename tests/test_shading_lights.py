@@ -119,6 +119,20 @@ def test_a_broken_reflectance_is_one_clear_error(function, message):
         Material(reflectance=function).reflect([DirectionalLight((0, 1, 0))], ORIGIN, UP, FRONT[0])
 
 
+def test_a_reflectance_with_other_arguments_is_told_which_there_are():
+    with pytest.raises(QuadshadeError) as caught:
+        Material(reflectance=lambda point: point).reflect([DirectionalLight((0, 1, 0))], ORIGIN, UP, FRONT[0])
+    assert "point, normal, to_light and to_viewer" in caught.value.hint
+
+
+@pytest.mark.parametrize("colour", [(255, 128, 0), (0.5, 0.5, 1.01), (-0.1, 0, 0), (float("nan"), 0, 0)])
+def test_a_materials_colour_is_from_0_to_1(colour):
+    with pytest.raises(QuadshadeError, match="the material's colour is"):
+        Material(colour=colour)
+    with pytest.raises(QuadshadeError):
+        parse_material("colour=" + ",".join(map(str, colour)))
+
+
 def test_a_reflectance_is_loaded_from_a_module_or_a_file(tmp_path):
     (tmp_path / "skin.py").write_text(
         "def white(point, normal, to_light, to_viewer):\n    return 0 * normal + 1\n"

@@ -68,9 +68,12 @@ def _row(option: click.Option, context: click.Context) -> str:
     """A row of the table of options."""
     names = ", ".join(f"`{name}`" for name in (*option.opts, *option.secondary_opts))
     switch = option.is_flag or option.count
-    value = "" if switch else option.make_metavar(context)
+    values = () if switch else (option.make_metavar(context),)
+    if isinstance(option.type, click.Choice) and not option.metavar:
+        values = tuple(map(str, option.type.choices))  # A code for each: a line may end between them.
+    value = ", ".join(f"`{one}`" for one in values)
     _, described = option.get_help_record(context) or ("", option.help or "")
-    return f"| {names} | {f'`{value}`' if value else ''} | {_plain(described)} |"
+    return f"| {names} | {value} | {_plain(described)} |"
 
 
 def _plain(text: str) -> str:

@@ -220,14 +220,14 @@ def codec_table(runs: list[CodecRun]) -> str:
 
 
 def report_faults(
-    output: Path, command: str, about: str, table: str, runs: list[CodecRun] | list[SessionRun]
+    output: Path, title: str, command: str, about: str, table: str, runs: list[CodecRun] | list[SessionRun]
 ) -> bool:
     """Write a report and print its table; true if nothing was wrong."""
     total, wrong = sum(run.injected for run in runs), sum(run.wrong for run in runs)
     body = f"{about}\n\n{table}\n\n**{total:,} faults, {wrong} wrong.**\n"
     head = f"""\
 {LICENCE}
-# Faults on the link
+# {title}
 
 Written by `make faults` (`{command}`); the wire format is in
 [protocol.md](../reference/protocol.md).
@@ -254,7 +254,7 @@ TRIANGLES frames of 12 to 1024 bytes through a line with faults ({", ".join(runs
 into the host's parser. *Wrong* is a frame that comes out and is not the one that was sent, or
 comes out of order or twice. Sessions: [faults_sessions.md](faults_sessions.md)."""
         command = command_line("link_faults", frames=frames, seed=seed)
-        good &= report_faults(output, command, about, codec_table(runs), runs)
+        good &= report_faults(output, "Faults on the link", command, about, codec_table(runs), runs)
     if sessions:
         shares = sum(SESSION_SHARES.values())
         ran = [session_run(rate, sessions * part // shares, seed) for rate, part in SESSION_SHARES.items()]
@@ -263,7 +263,9 @@ Sessions that send 20,000 set-up words each to the model of the board, faults bo
 *Wrong* is a session after which the board's words are not those sent, each once and in order."""
         command = command_line("link_faults", sessions=sessions, seed=seed)
         beside = output.with_name(f"{output.stem}_sessions.md")
-        good &= report_faults(beside, command, about, session_table(ran), ran)
+        good &= report_faults(
+            beside, "Faults on the link, whole sessions", command, about, session_table(ran), ran
+        )
     if not good:
         sys.exit(1)
 

@@ -14,7 +14,7 @@ from quadshade.contract.formats import parse_generics
 from quadshade.errors import QuadshadeError
 
 
-@click.command()
+@click.command(short_help="Run a simulated board, UART pins included.")
 @click.option(
     "--engine",
     type=click.Choice(BOARD_ENGINES),

@@ -13,7 +13,7 @@ import click
 from quadshade.cli.options import PATH
 
 
-@click.command()
+@click.command(short_help="Compare two pictures: PSNR, SSIM, the largest error.")
 @click.argument("first", type=PATH)
 @click.argument("second", type=PATH)
 @click.option("--heatmap", type=PATH, help="Write the error at every pixel as a PNG with a legend.")

@@ -11,7 +11,7 @@ from quadshade.errors import QuadshadeError
 SHELLS = ("bash", "zsh", "fish")
 
 
-@click.command()
+@click.command(short_help="Print the shell's script that completes commands.")
 @click.argument("shell", type=click.Choice(SHELLS))
 def completion(shell: str) -> None:
     """

@@ -12,7 +12,7 @@ from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import PATH
 
 
-@click.command()
+@click.command(short_help="Show what a packed picture (FRAME.qs) holds.")
 @click.argument("path", metavar="FRAME.qs", type=PATH)
 @click.option("--packets", type=click.IntRange(0), help="Show no more packets than this.  [default: all]")
 def dump(path: Path, packets: int | None) -> None:

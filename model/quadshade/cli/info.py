@@ -11,7 +11,7 @@ from quadshade.cli.terminal import say_trace
 from quadshade.errors import QuadshadeError
 
 
-@click.command(cls=TitledCommand)
+@click.command(cls=TitledCommand, short_help="Say which versions run here, or what a board is.")
 @add_options(port_options())
 def info(
     port: str | None,

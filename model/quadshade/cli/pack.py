@@ -24,7 +24,9 @@ from quadshade.cli.scene_options import (
 from quadshade.cli.terminal import reporting
 
 
-@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
+@click.command(
+    cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Pack a scene for a board, into FRAME.qs."
+)
 @add_options(
     scene_options(),
     shading_options(BOARD_SHADINGS),

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 
 
-@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
+@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Draw the screen triangles of a file.")
 @click.argument("triangles_path", metavar="TRIANGLES.json", type=PATH)
 @add_options(
     setup_options(SAMPLED_SETUPS),

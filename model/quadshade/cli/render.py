@@ -36,7 +36,7 @@ from quadshade.cli.terminal import reporting, say_statistics
 VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
 
 
-@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG)
+@click.command(cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Draw a mesh file or a generated scene.")
 @add_options(
     scene_options("512x512, or with --port the board's screen", "black; white with --style or --edges"),
     shading_options(),
@@ -60,7 +60,7 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
     \b
     quadshade render sphere:168 -o sphere.png --exponent 50
     quadshade render part.stl -o part.png --camera from=1,1,2 --material colour=0.8,0.3,0.1
-    quadshade render scene.glb -o scene.png --light dir=1,1,1 --light ambient=0.2 --size 640x480
+    quadshade render knot.glb -o knot.png --light dir=1,1,1 --light ambient=0.2 --size 640x480
     quadshade render torus:288 -o torus.png --engine ghdl --stats stats.json --waves torus.ghw
     quadshade render torus:288 -o torus.png --generic stream_width=128
     quadshade render sphere:690 -o sphere.png --max-error 4

@@ -14,7 +14,7 @@ from quadshade.cli.scene_options import verify_option
 from quadshade.cli.terminal import reporting, say_statistics, say_trace
 
 
-@click.command(cls=TitledCommand)
+@click.command(cls=TitledCommand, short_help="Draw FRAME.qs on a board.")
 @click.argument("frame_path", metavar="FRAME.qs", type=PATH)
 @add_options(
     [engine_option],

@@ -88,8 +88,8 @@ def scene_options(size: str = DEFAULT_SIZE, background: str = "black") -> list[D
             "lights",
             multiple=True,
             metavar="KEY=VALUE,...",
-            help="dir=x,y,z (towards the light), point=x,y,z or ambient=n, with colour=r,g,b (0..1) and, for "
-            "points, attenuation=a,b,c. Repeatable; replaces the default lights.",
+            help="dir=x,y,z (towards the light), point=x,y,z or ambient=n, with colour=r,g,b (1 is full) "
+            "and, for points, attenuation=a,b,c. Repeatable; replaces the default lights.",
         ),
         option(
             "Scene",
@@ -97,7 +97,7 @@ def scene_options(size: str = DEFAULT_SIZE, background: str = "black") -> list[D
             default="",
             metavar="KEY=VALUE,...",
             help="colour=r,g,b, diffuse=, ambient=, specular= (one number or three), exponent=n, "
-            "model=blinn or phong.",
+            "model=blinn or phong; Phong's own terms: d=, and w= or fresnel= (docs/guide/render.md).",
         ),
         option("Scene", "--exponent", type=float, help="Specular exponent.  [default: 20]"),
         option(

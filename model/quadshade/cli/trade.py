@@ -45,7 +45,7 @@ def _fractions(text: str) -> tuple[int, ...]:
         raise QuadshadeError(f"the fractions are {text!r}", "give whole numbers, e.g. 8,12,22") from None
 
 
-@click.command(epilog=GENERICS_EPILOG)
+@click.command(epilog=GENERICS_EPILOG, short_help="Sweep settings of a scene: error against cost.")
 @click.argument("scene", shell_complete=complete_file)
 @click.option(
     "-o",

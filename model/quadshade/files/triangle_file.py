@@ -55,8 +55,11 @@ def _load(path: Path) -> dict[str, Any]:
     except MemoryError:
         raise QuadshadeError(f"{path}: too many triangles for memory", "split the file") from None
     except (ValueError, RecursionError) as error:
-        text = " ".join(str(error).split())
-        raise QuadshadeError(f"{path}: not JSON: {text}", "see docs/reference/triangles_file.md") from None
+        text = "it is no text" if isinstance(error, UnicodeDecodeError) else " ".join(str(error).split())
+        raise QuadshadeError(
+            f"{path}: not JSON: {text}",
+            "see docs/reference/triangles_file.md; `quadshade render` draws meshes",
+        ) from None
     if not isinstance(content, dict):
         raise QuadshadeError(f"{path}: not a JSON object", "see docs/reference/triangles_file.md")
     return content

@@ -363,7 +363,7 @@ def open_transport(port: Any = None, baud: int | None = None) -> SerialTransport
     """
     port = port or os.environ.get("QUADSHADE_PORT")
     if not port:
-        raise LinkError("no port is given", "give one, or set QUADSHADE_PORT")
+        raise LinkError("no port is given", "give sim, auto or a port's name (--port), or set QUADSHADE_PORT")
     if not isinstance(port, str) and not (hasattr(port, "read") and hasattr(port, "write")):
         raise LinkError(
             f"the port is of type {type(port).__name__}", "give a name, a URL or an open serial object"

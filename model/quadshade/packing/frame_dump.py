@@ -8,7 +8,13 @@ from collections.abc import Iterator
 from itertools import islice
 
 from quadshade.contract.formats import DIFFERENCES, DIFFERENCES_OF_ORDER, EDGES, ORDER_NAMES, Formats
-from quadshade.contract.packed_format import FIELD_KINDS, FIELD_WIDTHS, packed_fields
+from quadshade.contract.packed_format import (
+    CHANNEL_KINDS,
+    FIELD_KINDS,
+    FIELD_WIDTHS,
+    KIND_WIDTHS,
+    packed_fields,
+)
 from quadshade.golden.core.setup_loader import Packet, load_packets
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.packing.frame_file import FrameFile
@@ -69,6 +75,17 @@ def _word_text(packet: Packet, formats: Formats) -> Iterator[str]:
         )
 
 
+def _width_names() -> dict[int, str]:
+    """What the width at each address is of."""
+    differences = {
+        KIND_WIDTHS * index + 2 * difference + top: f"{kind} {name} {('below', 'top')[top]}"
+        for index, kind in enumerate(CHANNEL_KINDS)
+        for difference, name in enumerate(DIFFERENCES)
+        for top in (0, 1)
+    }
+    return differences | {FIELD_WIDTHS + index: name for index, (name, _) in enumerate(FIELD_KINDS)}
+
+
 def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
     """
     Every packet: where it is, which widths it changes, its fields and words.
@@ -80,13 +97,13 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
       Show no more packets.
     """
     unpacker, formats = WordUnpacker(frame.formats), frame.formats
-    kinds = {FIELD_WIDTHS + index: name for index, (name, _) in enumerate(FIELD_KINDS)}
+    names = _width_names()
     held = unpacker.widths
     shown = None if most is None else min(most, sys.maxsize)
     for index, (start, end, setup_words) in enumerate(islice(unpacker.packets(frame.words), shown)):
         widths = unpacker.widths
         changed = [
-            f"{kinds.get(address, address)} {new}"
+            f"{names[address]} {new}"
             for address, (old, new) in enumerate(zip(held, widths, strict=True))
             if old != new
         ]

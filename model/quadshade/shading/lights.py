@@ -147,7 +147,8 @@ def parse_light(text: str) -> Light:
     kinds = [kind for kind in ("dir", "point", "ambient") if kind in settings]
     if len(kinds) != 1:
         raise QuadshadeError(
-            f"light {text!r} has {len(kinds)} kinds", "give one of dir=, point= and ambient="
+            f"light {text!r} is of {' and '.join(kinds) or 'no kind'}",
+            "give one of dir=, point= and ambient=",
         )
     kind = kinds[0]
     if kind != "point" and "attenuation" in settings:

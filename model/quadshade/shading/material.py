@@ -73,6 +73,9 @@ class Material:
             raise QuadshadeError(f"the material's model is {self.model!r}", f"give {' or '.join(MODELS)}")
         if not 0 <= self.exponent <= 1e6:
             raise QuadshadeError(f"the specular exponent is {self.exponent}", "give 0 to 1000000")
+        if not all(0 <= part <= 1 for part in self.colour):
+            colour = ",".join(f"{part:g}" for part in self.colour)
+            raise QuadshadeError(f"the material's colour is {colour}", "give numbers from 0 to 1")
 
     def reflect(
         self,
@@ -165,7 +168,10 @@ class Material:
                 raise TypeError("complex numbers returned")
             share = given.astype(np.float64)
         except (Exception, SystemExit) as error:  # the user's function may raise anything
-            raise QuadshadeError(f"reflectance {name} failed: {type(error).__name__}: {error}") from error
+            raise QuadshadeError(
+                f"reflectance {name} failed: {type(error).__name__}: {error}",
+                "it is called with four arrays (n, 3): point, normal, to_light and to_viewer",
+            ) from error
         if share.shape != normal.shape:
             raise QuadshadeError(f"reflectance {name} returned shape {share.shape}", f"return {normal.shape}")
         if not np.isfinite(share).all():
