@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+import re
 from itertools import product
 from math import log10
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import quadshade
 from quadshade.adapt import ErrorCurve, adapt, error_figures, pixel_errors
 from quadshade.adapt.curve import error_limits
+from quadshade.cli.main import main
 from quadshade.contract.formats import LINEAR, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
@@ -133,4 +137,26 @@ def test_an_estimate_is_no_bound(scene: str, share: float, largest: float) -> No
         "docs/guide/adapt.md",
         "with `--no-verify` two pixels in a thousand of torus:288 at 512² exceed a limit of 1 grey level,"
         " by up to two, and of sphere:690 one in a hundred thousand",
+    )
+
+
+def test_bytes_of_a_triangle_on_the_line(tmp_path: Path) -> None:
+    options = ["pack", "sphere:690", "-o", str(tmp_path / "frame.qs"), "--size", "160x120"]
+    said = CliRunner().invoke(main, options).output
+    size = float(re.search(r"([\d.]+) bytes a triangle", said)[1])
+    assert says("docs/tutorial/first_board.md", f"The host sent {size:.0f} bytes a triangle, frames included")
+
+
+def test_bytes_and_quality_are_those_of_the_report() -> None:
+    report = (ROOT / "docs" / "reports" / "link_bytes.md").read_text()
+    header = next(line for line in report.splitlines() if line.startswith("| scene |"))
+    chosen = [cell.strip() for cell in header.split("|")].index("0.03125")
+    whole = chosen - 2
+    lines = [line for line in report.splitlines() if "| sphere:690 | perspective | quadratic |" in line]
+    size, quality = ([cell.strip() for cell in line.split("|")] for line in lines)
+    lost = float(quality[whole]) - float(quality[chosen])
+    assert says(
+        "docs/reference/packing.md",
+        f"{float(size[chosen]):.0f} bytes a triangle for the sphere of 690 triangles with all frames, and"
+        f" {lost:.2f} dB less quality",
     )
