@@ -19,3 +19,10 @@ def test_a_reference_of_another_type_is_refused(reference) -> None:
     picture = quadshade.render("sphere:24", size=(48, 32), engine="model")
     with pytest.raises(quadshade.QuadshadeError, match="the reference is of type"):
         picture.error_to(reference)
+
+
+def test_what_is_averaged_is_called_a_picture() -> None:
+    """A frame is a message on the line and nothing else (``docs/reference/glossary.md``)."""
+    picture = quadshade.render("sphere:24", size=(48, 32), engine="model", supersample=2)
+    assert f"{picture.stats.clocks} clocks a picture, the mean of 4 pictures" in picture.summary
+    assert "frame" not in repr(picture)

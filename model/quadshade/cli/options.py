@@ -129,10 +129,10 @@ supersample_option = option(
     default="1",
     show_default=True,
     callback=lambda _, __, value: int(value),
-    help="Smooth the outlines: the mean of so many times so many frames, each moved by a part of a pixel.",
+    help="Smooth the outlines: the mean of N x N pictures, each moved by a part of a pixel.",
 )
 stats_option = option(
-    "Output", "--stats", type=PATH, help="Write clocks, pixels, triangles and words as JSON."
+    "Output", "--stats", type=PATH, help="Write clocks, pixels, triangles, set-up words as JSON."
 )
 waves_option = option(
     "Output", "--waves", type=PATH, help="Keep the simulation's waveforms (GHDL only), e.g. out.ghw."

@@ -113,7 +113,7 @@ def trade(
     Sweep fraction, shading and subdivision over SCENE and mark the points that no other beats.
 
     Error is that against Phong shading of the same triangles; cost is bytes of set-up words and clocks a
-    frame, and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
+    picture, and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
 
     \b
     quadshade trade sphere:374 -o trade --exponent 50

@@ -142,7 +142,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     summary = (
         f"{width}x{height}, {len(triangles)} triangles, drawn by the board at {port.name}"
         + (", as the golden model predicts" if port.verify else "")
-        + (f", the mean of {choice.supersample**2} frames" if choice.supersample > 1 else "")
+        + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + _packing_note(pack_error)
         + note
     )

@@ -86,7 +86,7 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     if len(projected) and not (shown >= 0).any():
         reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
     clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
-    frames = "" if choice.supersample == 1 else f" a frame, the mean of {choice.supersample**2} frames"
+    frames = "" if choice.supersample == 1 else f" a picture, the mean of {choice.supersample**2} pictures"
     summary = (
         f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels"
         f"{clocks}{frames}{undefined_note(drawing, settings.setup)}{note}"
@@ -127,7 +127,7 @@ def _moved_frames(
     moves: list[tuple[int, int]],
     reports: Reports,
 ) -> Iterator[np.ndarray]:
-    """(h, w, 3) uint8 frames of the same triangles, each moved; without waves and files."""
+    """(h, w, 3) uint8 pictures of the same triangles, each moved; without waves and files."""
     plain = replace(settings, engine=EngineChoice(engine), style=replace(settings.style, gbuffer=None))
     for number, by in enumerate(moves, 1):
         reports.step(f"drawing frame {number} of {len(moves)}")

@@ -97,7 +97,7 @@ def render(
     smoothness : float, optional
       Weight of jumps against errors, in pixels, with ``smooth``; 30.
     supersample : int
-      1, 2 or 4: the picture is the mean of so many times so many frames, each moved by a part of a pixel.
+      1, 2 or 4, n: the picture is the mean of n x n pictures, each moved by a part of a pixel.
     reflectance : str or callable, optional
       ``module:function``, or a function of point, normal, to_light and to_viewer.
     cull : bool

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """
-Jittered frames: what a picture is the mean of, if it is supersampled.
+Jittered pictures: what a picture is the mean of, if it is supersampled.
 
 Vertices are exact in sub-pixels, so a frame that is moved by a part of a pixel is drawn as exactly as any
-other, with the colours that were sampled once. The host takes the mean of the frames' display values.
+other, with the colours that were sampled once. The host takes the mean of their display values.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def jitter(count: int, formats: Formats) -> list[tuple[int, int]]:
     Raises
     ------
     QuadshadeError
-      Sub-pixels that are too coarse for so many frames.
+      Sub-pixels that are too coarse for so many pictures.
     """
     pixel = 1 << formats.subpixel_bits
     if pixel % (2 * count) and count > 1:
