@@ -16,6 +16,8 @@ from quadshade.cli.main import main
 from quadshade.cli.terminal import reporting
 from quadshade.engine.ghdl import analyse
 from quadshade.engine.sources import repository_root
+from quadshade.trade import progress
+from quadshade.trade.progress import progress_bars
 
 
 def test_a_long_step_is_said_without_a_terminal(
@@ -40,6 +42,23 @@ def test_a_short_step_is_not(capsys: pytest.CaptureFixture[str]) -> None:
     with reporting() as reports:
         reports.step("a short step")
     assert capsys.readouterr().err == ""
+
+
+def test_a_sweep_says_how_far_it_is_without_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress_bars() as tell:
+        tell("points", 0, 6)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(progress, "FIRST_SECONDS", 0.05)
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.05)
+    with progress_bars() as tell:
+        for done in (0, 4, 6):
+            tell("points", done, 6)
+            time.sleep(0.5)
+    assert capsys.readouterr().err.splitlines() == [
+        f"quadshade: {done} of 6 points measured ..." for done in (0, 4)
+    ]
 
 
 def test_an_analysis_is_said_once(

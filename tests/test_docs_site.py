@@ -30,6 +30,7 @@ from quadshade.engine.build_cache import build_once
 from quadshade.golden.core.edge_dda import EdgeDda
 from quadshade.trade.page.screenshot import find_chromium
 from scripts.docs import drawings
+from scripts.docs.command_line import command_line_page
 from scripts.docs.entity import ROOT, units
 from scripts.docs.simulate_unit import ports_per_clock
 from scripts.docs.site import build_site
@@ -182,6 +183,13 @@ def test_command_line_page_has_every_command(site: Path) -> None:
     text = (site / "reference" / "cli.html").read_text()
     for name in COMMANDS:
         assert f'id="quadshade-{name}"' in text
+
+
+def test_a_line_may_end_between_the_choices_of_an_option() -> None:
+    """One code for all of them is wider than the page, because identifiers in tables stay whole."""
+    page = command_line_page()
+    assert "| `--shading` | `flat`, `gouraud`, `quadratic`, " in page
+    assert all(len(value) < 40 for value in re.findall(r"^\| .* \| `([^`]*)`", page, re.MULTILINE))
 
 
 def test_unit_pages_have_every_port(site: Path) -> None:
