@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import quadshade
 from quadshade.board import Board, BoardSettings
 from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
@@ -203,6 +204,53 @@ def test_misuse_is_said_and_does_no_harm(misuse: Callable[[Board, ScreenTriangle
 def test_a_board_takes_what_it_says_it_takes(port: object, keywords: dict) -> None:
     with pytest.raises(QuadshadeError, match="give"):
         Board(port, settings=SMALL, engine="model", **keywords)
+
+
+@pytest.mark.parametrize(
+    ("generics", "message"),
+    (
+        ({"value_bits": 6}, "value_bits is 6, and every board has 8"),
+        ({"stream_width": 128}, "stream_width is 128, and every board has 32"),
+        ({"num_channels": 5}, "at most 4"),
+        ({"with_edge_map": 1, "with_depth": 0}, "give three channels"),
+        ({"with_edge_map": 1, "num_channels": 4}, "give three channels"),
+        ({"single_port_memory": 1}, "give with_depth=0"),
+        ({"clk_frequency_hz": 1 << 30}, "below 2"),
+    ),
+    ids=str,
+)
+def test_a_board_is_one_that_the_vhdl_builds(generics: dict[str, int], message: str) -> None:
+    """``board.vhd`` and ``screen.vhd`` assert the same."""
+    with pytest.raises(QuadshadeError, match=message):
+        board_settings(None, None, generics)
+
+
+@pytest.mark.parametrize("toon", (None, 3))
+@pytest.mark.parametrize(
+    ("scene", "keywords"),
+    (
+        ("torus:16x9", {}),
+        ("torus:16x9", {"material": "fresnel=1.5"}),
+        ("torus:16x9", {"lights": ["dir=1,1,1", "dir=-1,0,1"]}),
+        ("torus:16x9", {"lights": [f"dir={x},0,1" for x in range(5)]}),
+        ("examples/pawn.obj", {"edges": "inner"}),
+    ),
+    ids=str,
+)
+@pytest.mark.filterwarnings("ignore")
+def test_a_simulated_board_has_the_channels_of_the_scene(
+    scene: str, keywords: dict, toon: int | None
+) -> None:
+    """Cosines where the scene has them, for each light; else colours, as the model draws."""
+    arguments = {
+        "shading": "quadratic-specular",
+        "toon": toon,
+        "size": (40, 30),
+        "engine": "model",
+    } | keywords
+    path = scene if ":" in scene else Path(__file__).resolve().parents[1] / scene
+    drawn = quadshade.render(path, port="sim", pack_error=0, **arguments)
+    assert np.array_equal(drawn.array, quadshade.render(path, **arguments).array)
 
 
 def test_a_killed_host_leaves_the_board_to_the_next(tmp_path: Path) -> None:

@@ -221,6 +221,19 @@ def test_numbers_out_of_all_proportion_are_refused(tmp_path: Path, arguments: tu
     assert is_one_line(result) and not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    (
+        ("--shading", "quadratic-specular", "--generic", "num_channels=1"),
+        ("--edges", "inner", "--generic", "depth_bits=1"),
+    ),
+    ids=" ".join,
+)
+def test_an_error_comes_before_the_notices(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    arguments = ("--engine", "model", *arguments)
+    assert is_one_line(quadshade("render", "cube:1", "-o", tmp_path / "a.png", "--size", "8x8", *arguments))
+
+
 @pytest.mark.parametrize("body", ("raise SystemExit(0)", "return normal * 1j", "return np.log(normal - 2)"))
 def test_a_reflectance_neither_ends_the_program_nor_warns(tmp_path: Path, body: str) -> None:
     module = tmp_path / "surface.py"

@@ -25,6 +25,13 @@ ALLOWED: dict[str, Collection[int]] = {
 """Values of the board's own generics, those of sizes and rates apart."""
 
 
+BOARD_FORMATS = {"value_bits": 8, "stream_width": 32}
+"""A channel is a byte of the frame buffer, and the line gives 32 bits at a time."""
+
+MOST_CHANNELS = 4
+"""A clear has four bytes."""
+
+
 @dataclass(frozen=True)
 class BoardSettings:
     """
@@ -72,10 +79,11 @@ class BoardSettings:
                 raise QuadshadeError(
                     f"{name} is {getattr(self, name)}", f"give 1 to {limit} (generic coord_bits)"
                 )
+        self._check_formats()
         if self.fifo_words.bit_count() != 1 or not 64 <= self.fifo_words <= 32768:
             raise QuadshadeError(f"fifo_words is {self.fifo_words}", "give a power of two from 64 to 32768")
-        if not 1 <= self.clk_frequency_hz < 1 << 31:
-            raise QuadshadeError(f"clk_frequency_hz is {self.clk_frequency_hz}", "give hertz below 2**31")
+        if not 1 <= self.clk_frequency_hz < 1 << 30:
+            raise QuadshadeError(f"clk_frequency_hz is {self.clk_frequency_hz}", "give hertz below 2**30")
         if not 1 <= self.baud <= self.clk_frequency_hz // LEAST_CLOCKS:
             raise QuadshadeError(
                 f"{self.baud} baud at {self.clk_frequency_hz} Hz",
@@ -86,6 +94,31 @@ class BoardSettings:
                 raise QuadshadeError(f"{name} is {getattr(self, name)}", f"give {_choice(allowed)}")
         if self.with_video:
             self._check_video()
+
+    def _check_formats(self) -> None:
+        """What ``board`` and ``screen`` assert of the core's generics."""
+        formats = self.formats
+        for name, needed in BOARD_FORMATS.items():
+            if getattr(formats, name) != needed:
+                raise QuadshadeError(
+                    f"generic {name} is {getattr(formats, name)}, and every board has {needed}",
+                    "leave it out",
+                )
+        channels = formats.emitted_channels
+        if channels > MOST_CHANNELS:
+            raise QuadshadeError(
+                f"a board with {channels} channels of colour", f"give at most {MOST_CHANNELS} (num_channels)"
+            )
+        if self.with_edge_map and not (formats.with_depth and channels == 3 and formats.depth_bits >= 8):
+            raise QuadshadeError(
+                f"with_edge_map=1 with {channels} channels and {formats.depth_bits * formats.with_depth} bits"
+                " of depth",
+                "give three channels and at least 8 bits",
+            )
+        if self.single_port_memory and (formats.with_depth or self.with_video):
+            raise QuadshadeError(
+                "single_port_memory=1 with a depth or a monitor", "give with_depth=0 and with_video=0"
+            )
 
     def _check_video(self) -> None:
         """What ``scan_out`` asserts: whole squares fill the monitor."""

@@ -27,6 +27,7 @@ from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, shade_scene, show_scene
 from quadshade.rendering.supersample import jitter, mean, moved
+from quadshade.shading import UnsuitedError, specular_formats
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
@@ -164,15 +165,27 @@ def _simulated_settings(settings: RenderSettings) -> BoardSettings:
     choice, style = settings.scene, settings.style
     given = choice.set_generics
     size = None if choice.size is None else choice.pixels
-    built = board_settings(None, size, given, choice.interpolation in SPECULAR_ORDERS)
-    if style.style == "cartoon":
-        built = built.with_generics({"num_specular": built.formats.num_channels})
+    channels = _shaded_channels(settings) if choice.interpolation in SPECULAR_ORDERS else {}
+    built = board_settings(None, size, channels | given)
     if settings.adapt.is_adaptive and choice.shading is None and not given and not style.kinds:
         # Enough for colours and, of one light, for cosines; edges need a board without shade.
         built = built.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
     if style.kinds and _can_draw_gbuffer(built.formats):
         built = built.with_generics({"with_edge_map": 1})
     return built
+
+
+def _shaded_channels(settings: RenderSettings) -> dict[str, int]:
+    """Generics of a shade unit for a scene and its lights; none where it is drawn in colours instead."""
+    choice = settings.scene
+    scene = show_scene(settings, settings.checked(), Reports(notice=lambda _: None))
+    try:
+        formats = specular_formats(
+            choice.set_generics, scene.projected, scene.lights, scene.surface, choice.toon is not None
+        )
+    except UnsuitedError:
+        return {}
+    return {name: getattr(formats, name) for name in ("with_shade", "num_channels", "num_specular")}
 
 
 def _can_draw_gbuffer(formats: Formats) -> bool:

@@ -215,9 +215,8 @@ def draw_style(
     picture = draw_tones(choice.style, picture, shown >= 0, scene.ground)
     if not choice.needs_gbuffer:
         return picture, None
-    formats = Formats().with_generics({**settings.scene.set_generics, "num_channels": 3, "with_shade": 0})
     gbuffer, drawing = draw_gbuffer(
-        scene.projected, formats, engine, choice.gbuffer_order, choice.gbuffer_space
+        scene.projected, settings.gbuffer_formats(), engine, choice.gbuffer_order, choice.gbuffer_space
     )
     if choice.kinds:
         edges = find_edges(gbuffer, choice.edge_variant)

@@ -128,6 +128,7 @@ class RenderSettings:
         QuadshadeError
         """
         from quadshade.scene.project import check_size
+        from quadshade.style.gbuffer import check_gbuffer
 
         scene, shading = self.scene, self.scene.interpolation
         formats = Formats().with_generics(scene.set_generics)
@@ -148,7 +149,13 @@ class RenderSettings:
             )
         if self.adapt.is_adaptive:
             self._check_adaptive()
+        if self.style.needs_gbuffer and self.port.port is None:
+            check_gbuffer(self.gbuffer_formats(), self.style.gbuffer_order)
         return formats
+
+    def gbuffer_formats(self) -> Formats:
+        """Formats of the G-buffer's core: of the generics it takes three channels and no shade unit."""
+        return Formats().with_generics({**self.scene.set_generics, "num_channels": 3, "with_shade": 0})
 
     def _check_adaptive(self) -> None:
         """Refuse a shading or set-up that leaves nothing to choose."""

@@ -177,8 +177,8 @@ def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, r
         except UnsuitedError as reason:
             shading = shading.removesuffix("-specular").replace("linear", "gouraud")
             steps = "" if choice.toon is None else ", without steps"
-            reports.notice(f"drawn as {shading}{steps}: {reason}")
             check_colours(formats)
+            reports.notice(f"drawn as {shading}{steps}: {reason}")
     order = "flat" if shading == PHONG else shading
     triangles = sample(projected, order, lights, surface, formats, x_shading)
     if choice.fit != FITS[0]:
