@@ -6,17 +6,21 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import struct
 import subprocess
 import sys
+import time
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from quadshade.cli import compiled_loops
+from quadshade.cli import compiled_loops, interrupts
 from quadshade.cli.main import main
 from quadshade.contract.formats import GENERIC_HELP, Formats, parse_generics
 from quadshade.errors import QuadshadeError
@@ -279,6 +283,24 @@ def test_a_signal_ends_the_program_at_once(number: str, code: int, body: str) ->
         [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
     )
     assert (done.returncode, done.stdout, done.stderr) == (code, "", "quadshade: interrupted\n")
+
+
+def test_an_interrupt_is_one_line_while_options_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(click.Command, "make_context", interrupted)
+    result = quadshade("info")
+    assert (result.exit_code, result.stderr) == (130, "quadshade: interrupted\n")
+
+
+def test_an_interrupt_is_not_repeated_after_the_end() -> None:
+    """It would kill the interpreter while it shuts down, with another exit code."""
+    with pytest.raises(KeyboardInterrupt), interrupts.ending_in_order():
+        interrupts._received.append(signal.SIGINT)
+        interrupts._dropped(SimpleNamespace(exc_type=KeyboardInterrupt))
+        raise KeyboardInterrupt
+    time.sleep(2 * interrupts.AGAIN_SECONDS)
 
 
 def test_a_signal_that_is_ignored_stays_ignored() -> None:

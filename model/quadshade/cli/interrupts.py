@@ -19,6 +19,7 @@ AGAIN_SECONDS = 0.1
 """After so long an interrupt is repeated that came where Python drops exceptions."""
 
 _received: list[int] = []
+_repeats: list[threading.Timer] = []
 
 
 def exit_code() -> int:
@@ -47,6 +48,9 @@ def ending_in_order() -> Iterator[None]:
             yield
     finally:
         sys.unraisablehook = hook
+        for timer in _repeats:
+            timer.cancel()
+        _repeats.clear()
 
 
 @contextmanager
@@ -90,6 +94,7 @@ def _dropped(what: Any) -> None:
         main = threading.main_thread().ident
         again = threading.Timer(AGAIN_SECONDS, signal.pthread_kill, [main, _received[-1]])
         again.daemon = True
+        _repeats.append(again)
         again.start()
 
 

@@ -67,6 +67,13 @@ class OneLineErrors(click.Group):
             raise
         sys.exit(code if isinstance(code, int) else 0)
 
+    def make_context(self, *arguments: Any, **extra: Any) -> click.Context:
+        """Read the options; click would print an empty line after Ctrl-C."""
+        try:
+            return super().make_context(*arguments, **extra)
+        except KeyboardInterrupt:
+            raise click.Abort from None
+
     def invoke(self, context: click.Context) -> Any:
         """Run a command; click would print an empty line after Ctrl-C."""
         try:
