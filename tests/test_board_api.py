@@ -215,6 +215,7 @@ def test_a_board_takes_what_it_says_it_takes(port: object, keywords: dict) -> No
         ({"with_edge_map": 1, "with_depth": 0}, "give three channels"),
         ({"with_edge_map": 1, "num_channels": 4}, "give three channels"),
         ({"single_port_memory": 1}, "give with_depth=0"),
+        ({"fifo_words": 64}, "give a power of two from 256"),
         ({"clk_frequency_hz": 1 << 30}, "below 2"),
     ),
     ids=str,

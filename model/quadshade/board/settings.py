@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 
 from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import MAX_PAYLOAD
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.scan_out import Timing
@@ -32,6 +33,10 @@ MOST_CHANNELS = 4
 """A clear has four bytes."""
 
 
+LEAST_FIFO = 1 << (MAX_PAYLOAD // 4 - 1).bit_length()
+"""Room for the words of the longest frame: a host waits until all of it fits."""
+
+
 @dataclass(frozen=True)
 class BoardSettings:
     """
@@ -45,7 +50,7 @@ class BoardSettings:
       System clock and the line's rate after power-up. A simulated clock is slow on purpose: a byte takes few
       clocks, and so little time.
     fifo_words : int
-      Of the command FIFO: a power of two, at most 32768.
+      Of the command FIFO: a power of two from 256, which hold the longest frame, to 32768.
     with_edge_map, single_port_memory, with_video, single_buffer : int
       0 or 1. ``with_video`` makes words for a monitor, which a simulated board shows to nobody.
     most_counter_bits : int
@@ -80,8 +85,10 @@ class BoardSettings:
                     f"{name} is {getattr(self, name)}", f"give 1 to {limit} (generic coord_bits)"
                 )
         self._check_formats()
-        if self.fifo_words.bit_count() != 1 or not 64 <= self.fifo_words <= 32768:
-            raise QuadshadeError(f"fifo_words is {self.fifo_words}", "give a power of two from 64 to 32768")
+        if self.fifo_words.bit_count() != 1 or not LEAST_FIFO <= self.fifo_words <= 32768:
+            raise QuadshadeError(
+                f"fifo_words is {self.fifo_words}", f"give a power of two from {LEAST_FIFO} to 32768"
+            )
         if not 1 <= self.clk_frequency_hz < 1 << 30:
             raise QuadshadeError(f"clk_frequency_hz is {self.clk_frequency_hz}", "give hertz below 2**30")
         if not 1 <= self.baud <= self.clk_frequency_hz // LEAST_CLOCKS:
