@@ -26,8 +26,8 @@ def record_dtype(columns: type) -> np.dtype[np.void]:
     """
     The structured dtype of a class that names columns.
 
-    Compiled functions read and write a record's columns as attributes, so the class also serves as the type
-    of one record.
+    Functions read and write a record's columns as attributes, compiled or, with NUMBA_DISABLE_JIT=1, as plain
+    Python: elements are ``np.record``. So the class also serves as the type of one record.
 
     Parameters
     ----------
@@ -35,4 +35,4 @@ def record_dtype(columns: type) -> np.dtype[np.void]:
       With an annotation a column: ``int`` is int64, ``float`` is float64.
     """
     kinds = {int: np.int64, float: np.float64}
-    return np.dtype([(name, kinds[kind]) for name, kind in get_type_hints(columns).items()])
+    return np.dtype((np.record, [(name, kinds[kind]) for name, kind in get_type_hints(columns).items()]))
