@@ -88,7 +88,13 @@ def test_refused(text: str, message: str) -> None:
 
 def test_pictures_start_from_their_own_material() -> None:
     assert parse_material("") == PICTURE_MATERIAL
-    assert sum((PICTURE_MATERIAL.diffuse[0], PICTURE_MATERIAL.ambient[0], PICTURE_MATERIAL.specular[0])) == 1
+    lights = [AmbientLight(), DirectionalLight((0.0, 0.0, 1.0))]
+    orange = parse_material("colour=1,0.5,0.1,specular=0")
+    # What faces the light has the part's colour; what lies in the dark still stands out from black.
+    lit = orange.reflect(lights, np.zeros((1, 3)), NORMAL, np.array([0.0, 0.0, 1.0]))
+    assert lit[0] == pytest.approx([1, 0.5, 0.1])
+    dark = orange.reflect(lights, np.zeros((1, 3)), -NORMAL, np.array([0.0, 0.0, -1.0]))
+    assert dark[0] == pytest.approx([0.3, 0.15, 0.03])
 
 
 def test_from_the_command_line_and_falls_back_from_the_power_unit(tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
 
     \b
     quadshade render sphere:168 -o sphere.png --exponent 50
-    quadshade render part.stl -o part.png --camera from=1,1,2 --material colour=0.8,0.3,0.1
+    quadshade render part.stl -o part.png --camera from=1,1,2 --material colour=1,0.5,0.1
     quadshade render knot.glb -o knot.png --light dir=1,1,1 --light ambient=0.2 --size 640x480
     quadshade render torus:288 -o torus.png --engine ghdl --stats stats.json --waves torus.ghw
     quadshade render torus:288 -o torus.png --generic stream_width=128

@@ -179,7 +179,7 @@ class Material:
         return share
 
 
-PICTURE_MATERIAL = replace(Material(), diffuse=(0.6,) * 3, ambient=(0.2,) * 3, specular=(0.2,) * 3)
+PICTURE_MATERIAL = replace(Material(), diffuse=(0.7,) * 3, ambient=(0.3,) * 3, specular=(0.2,) * 3)
 """
 What a picture's material starts from where the user says nothing: a part of a colour has that colour, and its
 unlit sides stand out from a black background. The reports' material, ``Material()``, has a stronger
