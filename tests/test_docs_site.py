@@ -25,7 +25,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 
 from cocotb_tests.support.simulation import module_of
 from quadshade.cli.main import COMMANDS
-from quadshade.contract.formats import Formats
+from quadshade.contract.formats import GENERIC_HELP, Formats
 from quadshade.engine.build_cache import build_once
 from quadshade.golden.core.edge_dda import EdgeDda
 from quadshade.trade.page.screenshot import find_chromium
@@ -204,6 +204,13 @@ def test_unit_pages_have_every_port(site: Path) -> None:
         assert "clk" in names or name in ("load_adder", "output_clamp")
         for each in names:
             assert f"<code>{each}</code>" in text, (name, each)
+
+
+def test_unit_pages_say_what_generics_mean_and_keep_powers(site: Path) -> None:
+    page = (site / "reference" / "units" / "raster_core.html").read_text()
+    assert GENERIC_HELP["span_depth"] in page
+    clamp = (site / "reference" / "units" / "output_clamp.html").read_text()
+    assert "2**frac_bits" in clamp and "2**value_bits" in clamp
 
 
 def test_diagrams_name_what_there_is() -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 
@@ -28,7 +29,8 @@ def main(output: Path) -> None:
     except (QuadshadeError, FileNotFoundError) as problem:
         click.echo(f"docs: error: {problem}", err=True)
         sys.exit(2)
-    click.echo(f"{output}: python3 -m http.server -d {output} 8000, then http://localhost:8000/")
+    served = shlex.quote(str(output))
+    click.echo(f"{output}: python3 -m http.server -d {served} 8000, then http://localhost:8000/")
 
 
 if __name__ == "__main__":

@@ -88,7 +88,7 @@ class Unit:
     @cached_property
     def timing(self) -> str:
         """Latency and throughput, and what the header says after them, as Markdown."""
-        _, _, below = "\n".join(self.header).partition("Latency:")
+        _, _, below = "\n".join(self.header).replace("*", "\\*").partition("Latency:")
         text = re.sub(r"(?<=\.)\n(?=[A-Z])|\.  (?=[A-Z])", _keep_stop, "Latency: " + below.strip())
         text = re.sub(r"\s*(?<!\*)\b(Throughput|Clear): ", r"\n\n\1: ", text)
         return re.sub(r"^(\w+):", r"**\1:**", text, flags=re.MULTILINE)
@@ -129,13 +129,13 @@ def _keep_stop(match: re.Match[str]) -> str:
 
 
 def _as_markdown(lines: list[str]) -> str:
-    """Comment lines to Markdown: indented ones are formulas, blank comment lines end a paragraph."""
+    """Comment lines to Markdown: indented ones are formulas, blank ones end a paragraph; * is itself."""
     result, formula = [], False
     for line in lines:
         if line.startswith("  ") != formula:
             formula = not formula
             result.append("")
-        result.append(f"  {line}" if formula else line)
+        result.append(f"  {line}" if formula else line.replace("*", "\\*"))
     return "\n".join(result).strip("\n")
 
 

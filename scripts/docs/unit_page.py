@@ -7,6 +7,7 @@ import json
 import tomllib
 from pathlib import Path
 
+from quadshade.contract.formats import GENERIC_HELP
 from scripts.docs.entity import ROOT, Declaration, Unit
 
 STAGES = {
@@ -82,7 +83,12 @@ def _cell(text: str) -> str:
 def _generics(generics: list[Declaration]) -> str:
     if not generics:
         return "None."
-    rows = [f"| `{g.name}` | `{g.kind}` | `{g.default}` | {_cell(g.meaning)} |" for g in generics]
+    # Units that only hand a generic on leave its meaning to the contract.
+    meanings = [g.meaning or GENERIC_HELP.get(g.name, "") for g in generics]
+    rows = [
+        f"| `{g.name}` | `{g.kind}` | `{g.default}` | {_cell(meaning)} |"
+        for g, meaning in zip(generics, meanings, strict=True)
+    ]
     return "\n".join(["| name | type | default | meaning |", "| --- | --- | ---: | --- |", *rows])
 
 
