@@ -21,6 +21,7 @@ from rich.console import Console
 from quadshade.adapt import (
     ColourShader,
     CosineShader,
+    ErrorCurve,
     LightShader,
     adapt,
     error_figures,
@@ -33,6 +34,7 @@ from quadshade.adapt.plan import Planner
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
+from quadshade.errors import QuadshadeError
 from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
@@ -123,6 +125,21 @@ def mixes(whole: Projected, material: Material, formats: Formats) -> Iterator[di
         yield {"max_error": error} | adapted.mix() | point
 
 
+def asked(curve: ErrorCurve, fixed: dict, whole: Projected, material: Material) -> Iterator[dict]:
+    """What a user gets who asks for a fixed choice's error, or for its bytes."""
+    questions = (
+        lambda: curve.for_error(fixed[curve.measure]),
+        lambda: curve.for_budget(fixed["bytes"]),
+    )
+    for question in questions:
+        try:
+            adapted = question()
+        except QuadshadeError:
+            # No picture keeps what a choice of many parts has by the chance of rounding.
+            continue
+        yield measured(adapted.triangles, adapted.root, whole, material, adapted.formats)
+
+
 def compared(fixed: dict, curves: dict[str, list[dict]]) -> dict:
     """For both measures the cheapest adaptive picture that is no worse, and the best that is no dearer."""
     row = dict(fixed)
@@ -153,7 +170,15 @@ def scene_report(name: str, source: str, size: int, steps: int, material: Materi
     curves = {
         measure: list(adaptive_curve(whole, measure, steps, most, material, formats)) for measure in MEASURES
     }
-    rows = [compared(point, curves) for point in fixed]
+    core = specular_formats({}, whole, None, material)
+    asks = [
+        ErrorCurve(whole, None, material, formats, measure=measure, shading="auto", specular=core)
+        for measure in MEASURES
+    ]
+    rows = []
+    for point in fixed:
+        answers = {curve.measure: list(asked(curve, point, whole, material)) for curve in asks}
+        rows.append(compared(point, {name: curves[name] + answers[name] for name in MEASURES}))
     for row in rows:
         for measure in MEASURES:
             row[f"dominated_{measure}"] = verdict(row, measure)
@@ -222,7 +247,8 @@ def text(scenes: list[dict], command: str, settings: str, missing: bool) -> str:
         "Errors are in grey levels against unrounded Phong shading of the undivided mesh, over every pixel",
         "that the golden model drew, `max` the largest of any channel, `rms` the root mean square. *At no",
         "more* is the cheapest (or best) picture of the adaptive curve that is no worse (or no dearer) than",
-        "the fixed choice, in brackets its share of it. A fixed choice is *dominated* where adaptive needs",
+        "the fixed choice, in brackets its share of it; `--max-error` and `--budget` were asked for the",
+        "fixed choice's error and bytes too. A fixed choice is *dominated* where adaptive needs",
         "fewer bytes for no more error and has less error for no more bytes.",
         "",
         f"Of {len(verdicts)} comparisons (fixed choices, both measures) {counts['yes']} are dominated,",
