@@ -12,7 +12,7 @@ from quadshade.choices import FITS
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.fit import fit_colours
+from quadshade.fit import fit_colours, solve
 from quadshade.fit.elements import ENDS, shared_elements
 from quadshade.fit.jumps import jump_penalty
 from quadshade.fit.places import places_of
@@ -184,6 +184,13 @@ def test_refused(settings: dict, message: str) -> None:
     projected, six = seen(size=32)
     with pytest.raises(QuadshadeError, match=message):
         fit_colours(projected, six, **settings)
+
+
+def test_a_fit_that_does_not_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    projected, six = seen()
+    monkeypatch.setattr(solve, "MOST_STEPS", 1)
+    with pytest.raises(QuadshadeError, match="no solution after 1 steps"):
+        fit_colours(projected, six, "smooth", material=SHARP)
 
 
 def test_refuses_what_is_not_quadratic() -> None:

@@ -20,14 +20,13 @@ from quadshade.fit.solve import least_squares, normal_equations
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.shading.reference import quadratic_shape
-from quadshade.shading.sample import CHANNELS, full_scale, reflected
+from quadshade.shading.reference import phong_at, quadratic_shape
+from quadshade.shading.sample import CHANNELS
 
 ROUNDS = 16
 """Of weighting the largest errors more, ``minimax``."""
 FLOOR = 0.02
 """Weight that a place without error keeps in a round."""
-CHUNK = 1 << 16
 
 
 def fit_colours(
@@ -84,7 +83,7 @@ def fit_colours(
     elements = shared_elements(colours)
     here = places_of(places, projected, formats)
     shape = quadratic_shape(here.weights)
-    target = _phong(projected, here, lights, material, formats)
+    target = phong_at(projected, here.triangle, here.weights, lights, material, formats)
     penalty = None
     if fit == "smooth":
         penalty = smoothness * jump_penalty(elements, projected.vertices, formats)
@@ -120,16 +119,3 @@ def _minimax(
         normal = normal_equations(len(elements.index), places, shape, target, weight)
         values = least_squares(elements, normal, largest, begin=values)
     return best
-
-
-def _phong(
-    projected: Projected, places: Places, lights: Sequence[Light], material: Material, formats: Formats
-) -> Floats:
-    """(p, 3) Phong shading at places, in output units, clamped."""
-    target = np.empty((len(places.triangle), 3))
-    for start in range(0, len(target), CHUNK):
-        rows = slice(start, start + CHUNK)
-        weights = places.weights[rows, None, :]
-        light = reflected(projected, places.triangle[rows], weights, lights, material)
-        target[rows] = full_scale(light[:, 0], formats)
-    return target

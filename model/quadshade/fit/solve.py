@@ -2,8 +2,8 @@
 """
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
-The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. From the
-six points on, scaled by its diagonal, some tens of steps suffice however many triangles there are.
+The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. The steps
+begin at the six points and are scaled by the diagonal.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg
 
 from quadshade.contract.arrays import Bools, Floats, Ints
+from quadshade.errors import QuadshadeError
 from quadshade.fit.elements import Elements
 from quadshade.fit.places import Places
 
@@ -95,6 +96,11 @@ def least_squares(
     Returns
     -------
     (m, c) float64
+
+    Raises
+    ------
+    QuadshadeError
+      The steps do not end.
     """
     start, index = elements.start, elements.index
     count = len(start)
@@ -150,7 +156,12 @@ def _bounded(
         shape = (len(begin), len(begin))
         matrix = LinearOperator(shape, matvec=matvec, dtype=np.float64)
         jacobi = LinearOperator(shape, matvec=lambda vector: vector / diagonal, dtype=np.float64)
-        change, _ = cg(matrix, missing, rtol=TOLERANCE, maxiter=MOST_STEPS, M=jacobi)
+        change, unfinished = cg(matrix, missing, rtol=TOLERANCE, maxiter=MOST_STEPS, M=jacobi)
+        if unfinished:
+            raise QuadshadeError(
+                f"the fit has no solution after {MOST_STEPS} steps",
+                "give a smaller --smoothness, or another --fit",
+            )
         solved = values + np.where(free, change, 0.0)
         values = np.clip(solved, 0, largest)
         outside = free & (values != solved)

@@ -147,7 +147,38 @@ def phong(
     values = np.empty((len(triangle), 3))
     for rows in _chunks(len(triangle)):
         weights = barycentric(projected.vertices, triangle[rows], x[rows], y[rows], formats.subpixel_bits)
-        light = reflected(projected, triangle[rows], weights[:, None, :], lights, material)
+        values[rows] = phong_at(projected, triangle[rows], weights, lights, material, formats)
+    return values
+
+
+def phong_at(
+    projected: Projected,
+    triangle: np.ndarray,
+    weights: np.ndarray,
+    lights: Sequence[Light],
+    material: Material,
+    formats: Formats,
+) -> np.ndarray:
+    """
+    Phong shading at any places of triangles.
+
+    Parameters
+    ----------
+    projected : Projected
+    triangle : (m,) int
+    weights : (m, 3) float64
+      Barycentric coordinates on the screen.
+    lights, material, formats
+      As for :func:`phong`.
+
+    Returns
+    -------
+    (m, 3) float64
+      As for :func:`phong`.
+    """
+    values = np.empty((len(triangle), 3))
+    for rows in _chunks(len(triangle)):
+        light = reflected(projected, triangle[rows], weights[rows, None, :], lights, material)
         values[rows] = full_scale(light[:, 0], formats)
     return values
 
