@@ -213,6 +213,13 @@ def test_unit_pages_say_what_generics_mean_and_keep_powers(site: Path) -> None:
     assert "2**frac_bits" in clamp and "2**value_bits" in clamp
 
 
+def test_python_pages_show_names_without_their_roles(site: Path) -> None:
+    pages = list((site / "reference" / "python").glob("*.html"))
+    assert pages
+    for page in pages:
+        assert not re.search(r":(func|class|meth|data|attr|mod):", page.read_text()), page.name
+
+
 def test_diagrams_name_what_there_is() -> None:
     """A window's ports, test and settings exist in the unit and in its tests."""
     all_units = units()

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A griffe extension: our docstrings indent a parameter's description by two spaces, griffe wants four."""
+"""
+A griffe extension: our docstrings as griffe and Markdown want them.
+
+They indent a parameter's description by two spaces, griffe wants four; and a name with its role, as in
+``:func:`draw```, is the name in Markdown.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +13,19 @@ from typing import Any
 
 import griffe
 
+ROLE = re.compile(r":(?:attr|class|data|func|meth|mod):(?=`)")
 
-class Indentation(griffe.Extension):
-    """Four spaces for two in every docstring that is read."""
+
+def as_markdown(text: str) -> str:
+    """A docstring with four spaces for two, and names without their roles."""
+    return ROLE.sub("", re.sub(r"^ {2}(?! )", "    ", text, flags=re.MULTILINE))
+
+
+class Docstrings(griffe.Extension):
+    """Change every docstring before it is parsed."""
 
     def on_object(self, *, obj: griffe.Object, **kwargs: Any) -> None:
-        """Change a docstring before it is parsed; an alias has none of its own."""
+        """An alias has no docstring of its own."""
         del kwargs
         if obj.docstring:
-            obj.docstring.value = re.sub(r"^ {2}(?! )", "    ", obj.docstring.value, flags=re.MULTILINE)
+            obj.docstring.value = as_markdown(obj.docstring.value)
