@@ -11,7 +11,7 @@ import json
 import os
 import random
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from itertools import repeat
 from typing import Any
 
@@ -45,6 +45,10 @@ SPEEDS: dict[str, Callable[[random.Random], Iterator[bool]]] = {
 }
 
 
+class WorkCut(Exception):
+    """The unit was reset in the middle of its work."""
+
+
 class Bench:
     """
     One cocotb test of one unit.
@@ -61,7 +65,11 @@ class Bench:
     ----------
     draw, rng : random.Random, numpy Generator
       The test's random numbers: singly, and in arrays.
+    resets_now : coroutine function or None
+      Asked before each edge: whether it resets the unit there, which ends the work (``support/resets.py``).
     """
+
+    resets_now: Callable[[], Awaitable[bool]] | None = None
 
     def __init__(self, dut: Any, config_class: type, test: str) -> None:
         self.dut = dut
@@ -78,8 +86,8 @@ class Bench:
 
     async def start(self, *inputs: str, reset: bool = True) -> None:
         """Set inputs to zero, start the clock and, where the unit has a reset, reset it."""
-        for name in inputs:
-            getattr(self.dut, name).value = 0
+        self.inputs = inputs
+        self.rest()
         Clock(self.dut.clk, PERIOD_NS, "ns").start(start_high=False)
         self._edge = RisingEdge(self.dut.clk)
         if reset:
@@ -87,10 +95,25 @@ class Bench:
         else:
             await self.edge()
 
+    def rest(self) -> None:
+        """Set the inputs that :meth:`start` was given to zero."""
+        for name in self.inputs:
+            getattr(self.dut, name).value = 0
+
     async def edge(self) -> None:
-        """Up to the next clock edge; what is read then is what stood there before it."""
+        """
+        Up to the next clock edge; what is read then is what stood there before it.
+
+        Raises
+        ------
+        WorkCut
+          The unit was reset at this edge.
+        """
+        cut = self.resets_now is not None and await self.resets_now()
         await self._edge
         self.cycle += 1
+        if cut:
+            raise WorkCut
 
     async def reset(self) -> None:
         """One cycle of reset: that must be enough."""
