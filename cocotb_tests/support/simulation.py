@@ -21,6 +21,7 @@ from cocotb_tools.runner import get_runner
 ROOT = Path(__file__).resolve().parents[2]
 SIMULATOR = os.environ.get("QUADSHADE_SIM", "ghdl")
 NETLIST = os.environ.get("QUADSHADE_NETLIST", "")
+STANDARD = "--std=08"
 WAVES = bool(int(os.environ.get("QUADSHADE_WAVES") or os.environ.get("WAVES") or 0))
 
 
@@ -34,16 +35,33 @@ def identifier(config: Any) -> str:
     return "-".join(changed) or "default"
 
 
-def source_files(unit: str, generics: dict[str, int]) -> list[Path]:
-    """The VHDL, or the netlist that stands for it."""
-    # Here, because this module is imported inside every simulation too, and these take seconds to load.
-    if NETLIST:
-        from quadshade.synthesis.mapped import netlist_files
+def elaborated(unit: str) -> Path:
+    """
+    A unit analysed with all that it uses, and elaborated: once for each state of the sources.
 
-        return netlist_files(NETLIST, unit, generics)
+    Its configurations share it: GHDL takes generics when it runs. Only what the unit needs is compiled.
+    """
+    from quadshade.engine.build_cache import build_key, build_once
     from quadshade.engine.sources import rtl_files
+    from quadshade.engine.tool_runner import run_tool, tool_version
 
-    return rtl_files(ROOT)
+    sources = rtl_files(ROOT)
+
+    def make(library: Path) -> None:
+        run_tool(["ghdl", "-i", STANDARD, *sources], library)
+        run_tool(["ghdl", "-m", STANDARD, unit], library)
+
+    # The program is cocotb's choice: its runner calls it by this name.
+    key = build_key(tool_version(("ghdl",)), STANDARD, unit, *sources)
+    return build_once(ROOT / "build" / "cocotb" / "library", key, make)
+
+
+def link_program(library: Path, unit: str, folder: Path) -> None:
+    """Put the elaborated program, where GHDL's code generator makes one, into the folder that it runs in."""
+    link = folder / unit
+    link.unlink(missing_ok=True)
+    if (library / unit).is_file():
+        link.symlink_to(library / unit)
 
 
 def failures(results: Path) -> list[str]:
@@ -104,26 +122,34 @@ def simulate(
     results = folder / "results.xml"
     simulator = "icarus" if verilog else SIMULATOR
     runner = get_runner(simulator)
-    vhdl = simulator == "ghdl"
-    standard = ["--std=08"] if vhdl else []
-    runner.build(
-        sources=verilog or source_files(unit, generics),
-        parameters=generics if verilog else {},
-        hdl_toplevel=unit,
-        build_args=standard,
-        build_dir=folder,
-        timescale=None if vhdl else ("1ns", "1ps"),
-        waves=WAVES,
-        always=True,
-        log_file=folder / "build.log",
-    )
+    test_args = []
+    if simulator == "ghdl":
+        library = elaborated(unit)
+        link_program(library, unit, folder)
+        test_args = [STANDARD, f"--workdir={library}"]
+    else:
+        # Here, because this module is imported inside every simulation too, and this takes seconds to load.
+        from quadshade.synthesis.mapped import netlist_files
+
+        runner.build(
+            sources=verilog or netlist_files(NETLIST, unit, generics),
+            parameters=generics if verilog else {},
+            hdl_toplevel=unit,
+            build_dir=folder,
+            timescale=("1ns", "1ps"),
+            waves=WAVES,
+            always=True,
+            log_file=folder / "build.log",
+        )
     try:
         runner.test(
             test_module=module_of(tests),
             hdl_toplevel=unit,
-            test_args=standard,
-            plusargs=["--ieee-asserts=disable"] if vhdl else [],
-            parameters={} if NETLIST or verilog else generics,
+            hdl_toplevel_lang="vhdl" if simulator == "ghdl" else "verilog",
+            hdl_toplevel_library="work" if simulator == "ghdl" else "top",
+            test_args=test_args,
+            plusargs=["--ieee-asserts=disable"] if simulator == "ghdl" else [],
+            parameters=generics if simulator == "ghdl" else {},
             build_dir=folder,
             test_dir=folder,
             results_xml=str(results),
