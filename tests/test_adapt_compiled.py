@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from quadshade.adapt import cho as adapt_cho
-from quadshade.adapt import highlight, subdivide_loops
-from quadshade.adapt import subdivide as divided
-from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project
+from quadshade.adapt import highlight
+from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project, subdivide_loops
+from quadshade.scene import subdivide as divided
 from quadshade.shading import AmbientLight, DirectionalLight, Material, PointLight
 from scripts.experiments.cho.teapot import teapot
 from tests.support import adapt_reference as reference

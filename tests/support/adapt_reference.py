@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from quadshade.adapt.highlight import highlight_possible, to_light
-from quadshade.adapt.subdivide import CORNERS, PATTERNS, Edges
 from quadshade.scene.project import Projected, doubled_area
+from quadshade.scene.subdivide import CORNERS, PATTERNS, Edges
 from quadshade.shading.lights import AmbientLight, Light
 
 

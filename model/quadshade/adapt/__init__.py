@@ -15,7 +15,7 @@ from quadshade.adapt.highlight import (
 )
 from quadshade.adapt.plan import Adapted, Rival
 from quadshade.adapt.shader import ColourShader
-from quadshade.adapt.subdivide import insert_vertices, refine, shared_edges, split_edges
+from quadshade.scene.subdivide import insert_vertices, refine, shared_edges, split_edges
 
 __all__ = [
     "Adapted",

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.adapt.subdivide import refine
 from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected, doubled_area
+from quadshade.scene.subdivide import refine
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.sample import CENTRE, SAMPLE_POINTS, full_scale, reflected

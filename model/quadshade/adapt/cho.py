@@ -10,9 +10,13 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from quadshade.adapt import subdivide_loops
 from quadshade.adapt.highlight import highlight_centres, potentially_highlighted, with_neighbours
-from quadshade.adapt.subdivide import (
+from quadshade.contract.arrays import Bools, Floats, Ints
+from quadshade.contract.formats import Formats
+from quadshade.errors import QuadshadeError
+from quadshade.scene import subdivide_loops
+from quadshade.scene.project import Projected, doubled_area
+from quadshade.scene.subdivide import (
     Edges,
     insert_vertices,
     refine,
@@ -20,10 +24,6 @@ from quadshade.adapt.subdivide import (
     shared_edges,
     split_edges,
 )
-from quadshade.contract.arrays import Bools, Floats, Ints
-from quadshade.contract.formats import Formats
-from quadshade.errors import QuadshadeError
-from quadshade.scene.project import Projected, doubled_area
 from quadshade.shading.light_loops import compiled_surface, light_point
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material

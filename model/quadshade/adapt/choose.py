@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from quadshade.adapt.shader import Choice, Shader, Surface, chosen_samples
-from quadshade.adapt.subdivide import Edges, shared_edges, split_edges
+from quadshade.scene.subdivide import Edges, shared_edges, split_edges
 
 SHORT = 0.12
 """Of a triangle's longest edge; shorter ones are not split for its sake."""

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quadshade.adapt import highlight_loops, subdivide_loops
-from quadshade.adapt.subdivide import point_indices
+from quadshade.adapt import highlight_loops
+from quadshade.scene import subdivide_loops
 from quadshade.scene.project import Projected
+from quadshade.scene.subdivide import point_indices
 from quadshade.shading.lights import AmbientLight, DirectionalLight, Light, PointedLight
 
 

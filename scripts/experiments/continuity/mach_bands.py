@@ -13,9 +13,9 @@ from collections.abc import Callable
 import numpy as np
 
 from quadshade.adapt.centre_test import centre_subdivision
-from quadshade.adapt.subdivide import CORNERS, shared_edges
 from quadshade.contract.formats import Formats
 from quadshade.scene import Projected, load_scene, parse_camera, project
+from quadshade.scene.subdivide import CORNERS, shared_edges
 from quadshade.shading import Material, default_lights, sample
 from quadshade.shading.lights import DirectionalLight
 from quadshade.shading.reference import polynomial

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from quadshade.adapt import subdivide_loops
+from quadshade.scene import subdivide_loops
 from quadshade.scene.project import Projected
 
 CORNERS = np.array([[0, 1], [1, 2], [2, 0]])
