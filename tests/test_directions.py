@@ -24,6 +24,7 @@ LAYERS = (
     {"adapt", "style", "synthesis"},
     {"board"},
     {"rendering", "trade"},
+    {"animation"},
     {"cli"},
 )
 """The parts of the product, bottom-up; a part knows only those of the layers below it, and itself."""

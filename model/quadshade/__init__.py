@@ -6,9 +6,10 @@ Quadratic shading on small FPGAs, and a picture in one line.
 
     quadshade.render("sphere:690", exponent=50).save("sphere.png")
 
-``render`` draws a mesh with the golden model, the VHDL itself, or a board, and gives a ``Picture``; ``draw``
-draws triangles that are on the screen already; ``load_scene`` reads a mesh; ``Board`` is a board; ``Formats``
-are the generics of the core. Nothing of numba, scipy or an engine is imported before it is needed.
+``render`` draws a mesh with the golden model, the VHDL itself, or a board, and gives a ``Picture``; ``turn``
+moves it and gives an ``Animation``; ``draw`` draws triangles that are on the screen already; ``load_scene``
+reads a mesh; ``Board`` is a board; ``Formats`` are the generics of the core. Nothing of numba, scipy or an
+engine is imported before it is needed.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from typing import TYPE_CHECKING, Any
 from quadshade.errors import QuadshadeError
 
 if TYPE_CHECKING:
+    from quadshade.animation.animate import Animation as Animation
+    from quadshade.animation.face import turn as turn
     from quadshade.board import Board as Board
     from quadshade.contract.formats import Formats as Formats
     from quadshade.rendering.face import draw as draw
@@ -29,16 +32,19 @@ if TYPE_CHECKING:
     __version__: str
 
 _PLACES = {
+    "Animation": "quadshade.animation.animate",
     "Board": "quadshade.board",
     "Formats": "quadshade.contract.formats",
     "Picture": "quadshade.rendering.picture",
     "draw": "quadshade.rendering.face",
     "load_scene": "quadshade.scene",
     "render": "quadshade.rendering.face",
+    "turn": "quadshade.animation.face",
 }
 """Where each public name is defined; it is imported from there when it is first asked for."""
 
 __all__ = [
+    "Animation",
     "Board",
     "Formats",
     "Picture",
@@ -47,6 +53,7 @@ __all__ = [
     "draw",
     "load_scene",
     "render",
+    "turn",
 ]
 
 

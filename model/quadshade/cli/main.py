@@ -23,7 +23,19 @@ with leave_at_once():
     from quadshade.errors import QuadshadeError
 
 BAD_INPUT = 2
-COMMANDS = ("render", "raster", "compare", "trade", "pack", "dump", "replay", "info", "board", "completion")
+COMMANDS = (
+    "render",
+    "turn",
+    "raster",
+    "compare",
+    "trade",
+    "pack",
+    "dump",
+    "replay",
+    "info",
+    "board",
+    "completion",
+)
 """Each is the function of this name in the module of this name, imported when it is needed."""
 
 

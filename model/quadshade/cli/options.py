@@ -114,14 +114,22 @@ generic_option = option(
     metavar="NAME=VALUE",
     help="Set a generic of the core for this run, under its VHDL name (repeatable), e.g. stream_width=128.",
 )
-engine_option = option(
-    "Engine or board",
-    "--engine",
-    type=click.Choice(ENGINES),
-    envvar="QUADSHADE_ENGINE",
-    help="What draws: the golden model, the VHDL in GHDL, or its netlist in Verilator.  "
-    "[default: verilator where it and a C++ compiler are installed, else model]",
-)
+
+
+def engine_option(
+    default: str = "verilator where it and a C++ compiler are installed, else model",
+) -> Decorator:
+    """``--engine``; ``default`` is what the help says of it."""
+    return option(
+        "Engine or board",
+        "--engine",
+        type=click.Choice(ENGINES),
+        envvar="QUADSHADE_ENGINE",
+        help="What draws: the golden model, the VHDL in GHDL, or its netlist in Verilator.  "
+        f"[default: {default}]",
+    )
+
+
 supersample_option = option(
     "Output",
     "--supersample",

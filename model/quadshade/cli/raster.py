@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @add_options(
     setup_options(SAMPLED_SETUPS),
     GENERIC_OPTIONS,
-    [engine_option],
+    [engine_option()],
     port_options("Draw on a board; OUTPUT is then a PNG file or its planes as npz"),
     verify_option(TITLE, VERIFY_BOARD),
     [output_option("Where the pixels go, e.g. pixels.npz."), stats_option, waves_option],

@@ -30,7 +30,7 @@ from quadshade.cli.scene_options import (
     shading_options,
     verify_option,
 )
-from quadshade.cli.style_options import STYLE_OPTIONS
+from quadshade.cli.style_options import GBUFFER_OPTIONS, STYLE_OPTIONS
 from quadshade.cli.terminal import reporting, say_statistics
 
 VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
@@ -46,7 +46,8 @@ VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC th
     GENERIC_OPTIONS,
     PACK_OPTIONS,
     STYLE_OPTIONS,
-    [engine_option],
+    GBUFFER_OPTIONS,
+    [engine_option()],
     port_options("Draw on a board and fetch the picture"),
     [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )

@@ -17,7 +17,7 @@ from quadshade.cli.terminal import reporting, say_statistics, say_trace
 @click.command(cls=TitledCommand, short_help="Draw FRAME.qs on a board.")
 @click.argument("frame_path", metavar="FRAME.qs", type=PATH)
 @add_options(
-    [engine_option],
+    [engine_option()],
     port_options(),
     verify_option(TITLE, VERIFY_BOARD),
     [output_option("Read the picture back and write it: a PNG file.", required=False)],

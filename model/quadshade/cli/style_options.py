@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of ``render`` for styles, edges and the G-buffer."""
+"""Options for styles, edges and the G-buffer."""
 
 from __future__ import annotations
 
@@ -39,6 +39,9 @@ STYLE_OPTIONS: list[Decorator] = [
         metavar="KIND=R,G,B",
         help="Colour of profile or inner edges, 0..1 (repeatable).  [default: black, and nearly black]",
     ),
+]
+
+GBUFFER_OPTIONS: list[Decorator] = [
     option(
         "Style",
         "--gbuffer",

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 QUIET_SECONDS = 2.0
 """A step that takes longer is said where there is no terminal."""
 
-UNITS = {"drawing": "triangles/s", "reading": "pixels/s"}
+FRAMES = "drawing frames"
+UNITS = {"drawing": "triangles/s", "reading": "pixels/s", FRAMES: "frames/s"}
 
 
 def notice(text: str) -> None:
@@ -89,7 +90,7 @@ class _Lines:
         self._timer.start()
 
     def progress(self, what: str, done: float, total: float, sent: int) -> None:
-        text = f"{what} on the board"
+        text = what if what == FRAMES else f"{what} on the board"
         if text != self._text:
             self.step(text)
 
@@ -135,8 +136,9 @@ class _Live:
             self._tasks[what, total], self._begun[task] = task, sent
         task = self._tasks[what, total]
         elapsed = max(self._bar.tasks[self._bar.task_ids.index(task)].elapsed or 0, 1e-3)
-        bytes_now = (sent - self._begun[task]) / elapsed
-        rate = f"{done / elapsed:,.0f} {UNITS[what]}, {bytes_now:,.0f} bytes/s"
+        rate = f"{done / elapsed:,.0f} {UNITS[what]}"
+        if sent:
+            rate += f", {(sent - self._begun[task]) / elapsed:,.0f} bytes/s"
         self._bar.update(task, completed=done, rate=rate)
 
     def stop(self) -> None:

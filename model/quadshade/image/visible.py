@@ -31,27 +31,16 @@ def visible(pixels: Pixels, width: int, height: int) -> np.ndarray:
     QuadshadeError
       A pixel outside the screen.
     """
-    count = len(pixels)
-    if count and not (
-        pixels.x.min() >= 0 and pixels.x.max() < width and pixels.y.min() >= 0 and pixels.y.max() < height
-    ):
+    # Here, so that who compares two files does not wait for the compiler.
+    from quadshade.image.visible_loops import last_drawn, nearest_drawn, outside
+
+    if outside(pixels.x, pixels.y, width, height):
         raise QuadshadeError(
             f"a pixel lies outside the screen of {width}x{height}", "draw with the same size"
         )
-    place = pixels.y.astype(np.int64) * width + pixels.x
-    index = np.arange(count, dtype=np.int64)
-    shown = np.full(width * height, -1, dtype=np.int64)
     if pixels.depth is None:
-        np.maximum.at(shown, place, index)
-        return shown.reshape(height, width)
-    nearest = np.full(width * height, np.iinfo(np.int64).max)
-    depth = pixels.depth.astype(np.int64)
-    np.minimum.at(nearest, place, depth)
-    first = np.full(width * height, count, dtype=np.int64)
-    candidates = np.flatnonzero(depth == nearest[place])
-    np.minimum.at(first, place[candidates], candidates)
-    shown[first < count] = first[first < count]
-    return shown.reshape(height, width)
+        return last_drawn(pixels.x, pixels.y, width, height)
+    return nearest_drawn(pixels.x, pixels.y, pixels.depth, width, height)
 
 
 def paint(
@@ -75,17 +64,13 @@ def paint(
     -------
     (height, width, 3) uint8
     """
+    from quadshade.image.visible_loops import fill
+
     picture = np.empty((*shown.shape, 3), dtype=np.uint8)
     picture[:] = background
-    drawn = shown >= 0
-    chosen = value[shown[drawn]][:, :3]
-    if full != 255 or chosen.dtype.kind == "f":
-        chosen = np.rint(chosen * (255 / full))
-    colours = np.zeros((len(chosen), 3), dtype=np.uint8)
-    colours[:, : chosen.shape[1]] = np.clip(chosen, 0, 255)
-    if chosen.shape[1] == 1:
-        colours[:] = colours[:, :1]
-    picture[drawn] = colours
+    if full != 255 or value.dtype.kind == "f":
+        value = np.rint(value * (255 / full))
+    fill(picture, shown, value)
     return picture
 
 

@@ -82,6 +82,27 @@ def opened(
         yield board
 
 
+@contextmanager
+def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board]:
+    """
+    The board that settings name, or a simulated one that can draw what they ask for.
+
+    Raises
+    ------
+    QuadshadeError
+      What boards do not have, or no board.
+    """
+    choice, port = settings.scene, settings.port
+    _check(port, choice.set_generics, settings.engine)
+    if settings.style.gbuffer is not None:
+        raise QuadshadeError("a board does not say which triangle it shows", "leave out --gbuffer, or --port")
+    if choice.interpolation == PHONG:
+        raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
+    simulated = _simulated_settings(settings) if port.is_simulated else None
+    with opened(port, simulated, settings.engine, reports) as board:
+        yield board
+
+
 def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     """
     Draw a scene on a board and fetch what it shows.
@@ -101,15 +122,9 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     QuadshadeError
       What boards do not have, a board that does not answer, or one that shows what it should not.
     """
-    choice, port, style = settings.scene, settings.port, settings.style
-    _check(port, choice.set_generics, settings.engine)
-    if style.gbuffer is not None:
-        raise QuadshadeError("a board does not say which triangle it shows", "leave out --gbuffer, or --port")
-    if choice.interpolation == PHONG:
-        raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
+    choice, port = settings.scene, settings.port
     pack_error = parse_pack_error(port.added_error)
-    simulated = _simulated_settings(settings) if port.is_simulated else None
-    with opened(port, simulated, settings.engine, reports) as board:
+    with board_for(settings, reports) as board:
         size = (board.width, board.height) if choice.size is None else choice.size
         settings = settings.of_scene(generics=board.host_formats, size=size)
         formats = settings.checked()

@@ -175,7 +175,7 @@ class Picture:
         elif isinstance(reference, np.ndarray):
             other = reference
         elif reference == PHONG:
-            other = self._phong().array
+            other = self.phong().array
         elif not isinstance(reference, str | Path):
             raise QuadshadeError(
                 f"the reference is of type {type(reference).__name__}",
@@ -185,8 +185,8 @@ class Picture:
             other = read_picture(Path(reference))
         return compare(self.array, other)
 
-    def _phong(self) -> Picture:
-        """The reference of the same scene."""
+    def phong(self) -> Picture:
+        """The same scene, shaded in float at every pixel, over the coverage and depth of the same core."""
         from quadshade.rendering.draw import render_picture
         from quadshade.rendering.settings import reference_settings
 

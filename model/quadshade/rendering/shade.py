@@ -80,7 +80,7 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     lights = tuple(parse_light(one) if isinstance(one, str) else one for one in texts) or None
     surface, ground = _material(choice), choice.ground
     reports.step(f"reading {choice.name}")
-    mesh = _mesh(choice)
+    mesh = choice_mesh(choice)
     camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
     for note in (*(f"{choice.name}: {text}" for text in mesh.notes), *projected.notes):
@@ -106,8 +106,8 @@ def _why_empty(choice: SceneChoice, mesh: Mesh, camera: Camera, formats: Formats
     return "everything lies outside of the view; leave out eye= and target= in --camera, or give from="
 
 
-def _mesh(choice: SceneChoice) -> Mesh:
-    """The scene's mesh, read or as it was given."""
+def choice_mesh(choice: SceneChoice) -> Mesh:
+    """The scene's mesh, read or as it was given; raises :class:`QuadshadeError` where it cannot be read."""
     if isinstance(choice.scene, str | Path):
         return load_scene(choice.scene, choice.crease)
     if isinstance(choice.scene, Mesh):

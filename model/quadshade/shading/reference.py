@@ -6,10 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 
+from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import LINEAR, QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.scene.project import Projected, doubled_area
+from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.sample import full_scale, reflected
@@ -36,12 +38,22 @@ def barycentric(
     (m, 3) float64
       Weights of the three vertices, correctly rounded quotients of exact integers; their sum is 1.
     """
-    corners = 2 * vertices[triangle]
-    centre = np.stack([2 * x.astype(np.int64) + 1, 2 * y.astype(np.int64) + 1], axis=-1) << subpixel_bits
-    area = doubled_area(corners)
-    second = doubled_area(np.stack([corners[:, 0], centre, corners[:, 2]], axis=1)) / area
-    third = doubled_area(np.stack([corners[:, 0], corners[:, 1], centre], axis=1)) / area
-    return np.stack([1 - second - third, second, third], axis=-1)
+    return _barycentric(vertices, triangle, x, y, subpixel_bits)
+
+
+@njit(cache=True, error_model="numpy")
+def _barycentric(vertices: Ints, triangle: Ints, x: Ints, y: Ints, subpixel_bits: int) -> Floats:
+    """Quotients of doubled areas, in half sub-pixels, so that a pixel's centre is an integer too."""
+    weights = np.empty((len(triangle), 3))
+    for index in range(len(triangle)):
+        a, b, c = 2 * vertices[triangle[index]]
+        across, down = (2 * x[index] + 1) << subpixel_bits, (2 * y[index] + 1) << subpixel_bits
+        area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+        second = (across - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (down - a[1])
+        third = (b[0] - a[0]) * (down - a[1]) - (across - a[0]) * (b[1] - a[1])
+        weights[index, 1], weights[index, 2] = second / area, third / area
+        weights[index, 0] = 1 - weights[index, 1] - weights[index, 2]
+    return weights
 
 
 def polynomial(samples: np.ndarray, orders: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -9,14 +9,13 @@ import re
 import shutil
 import tempfile
 from dataclasses import asdict
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from quadshade import errors
 from quadshade.contract.formats import Formats
+from quadshade.files.code_digest import code_digest
 from quadshade.trade.grid import Point
 from quadshade.trade.measure import Measured
 from quadshade.trade.view import Stage, View
@@ -27,19 +26,8 @@ SCRATCH = ".half-"
 KEY = re.compile(r"[\w.+-]+-[0-9a-f]{12}")
 """What :func:`point_key` gives."""
 
-UNUSED = ("cli", "synthesis", "trade/page")
+UNUSED = ("animation", "cli", "synthesis", "trade/page")
 """Folders of the package whose code no point depends on."""
-
-
-@cache
-def code_digest() -> str:
-    """Hash of the package's modules that a point depends on."""
-    root = Path(errors.__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
-        if not any(path.is_relative_to(root / folder) for folder in UNUSED):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 def stage_digest(stage: Stage) -> str:
@@ -75,7 +63,7 @@ def point_key(point: Point, view: View, stage: str, base: Formats, engine: str) 
         "stage": stage,
         "generics": base.generics(),
         "engine": engine,
-        "code": code_digest(),
+        "code": code_digest(UNUSED),
     }
     digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
     return f"{point.name}-{digest[:12]}"

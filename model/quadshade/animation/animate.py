@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every frame of an animation, drawn by an engine in several processes or by one board."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from quadshade.animation.film import is_folder, write_film, write_pictures
+from quadshade.animation.motion import Motion, Pose
+from quadshade.animation.posed import Stage
+from quadshade.animation.record import FrameRow, write_plot, write_table
+from quadshade.animation.store import FrameStore, animation_key
+from quadshade.choices import PHONG, STYLES
+from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import check_writable
+from quadshade.image.compare import error_map, psnr
+from quadshade.rendering.draw import render_picture
+from quadshade.rendering.groups import EngineChoice, PortChoice
+from quadshade.rendering.picture import Picture
+from quadshade.rendering.settings import RenderSettings, Reports
+from quadshade.rendering.shade import choice_mesh
+from quadshade.scene import Mesh
+
+
+class Drawn(NamedTuple):
+    """A frame: its figures, its pixels, and what is not as it was asked for."""
+
+    row: FrameRow
+    array: np.ndarray
+    notes: tuple[str, ...]
+
+
+class Animation:
+    """
+    A scene that moves; its frames are drawn when they are asked for.
+
+    Parameters
+    ----------
+    settings : RenderSettings
+      Of the scene as it stands.
+    motion : Motion
+    errors : bool
+      Measure each frame against Phong shading.
+    jobs : int
+      Processes; a board draws one frame after the other.
+    reports : Reports, optional
+    """
+
+    def __init__(
+        self,
+        settings: RenderSettings,
+        motion: Motion,
+        errors: bool = True,
+        jobs: int = 1,
+        reports: Reports | None = None,
+    ) -> None:
+        if settings.style.gbuffer is not None:
+            raise QuadshadeError("--gbuffer is for one picture", "use `quadshade render`")
+        if settings.engine.waves is not None:
+            raise QuadshadeError("--waves is for one picture", "use `quadshade render`")
+        if settings.port.port is not None and jobs != 1:
+            raise QuadshadeError("a board draws one frame after the other", "leave --jobs out")
+        if settings.engine.engine is None and settings.port.port is None:
+            # Many pictures: the engine that starts soonest; all of them draw the same.
+            settings = replace(settings, engine=EngineChoice("model"))
+        self.settings, self.motion, self._jobs = settings, motion, jobs
+        self._reports = reports or Reports()
+        comparable = settings.style.style == STYLES[0] and not settings.style.kinds
+        self._measures = errors and comparable and settings.scene.toon is None
+        _ = self._stage
+
+    def __len__(self) -> int:
+        return self.motion.frames
+
+    def __getitem__(self, frame: int) -> Picture:
+        """The picture of a frame, drawn anew."""
+        if not -len(self) <= frame < len(self):
+            raise IndexError(f"there is no frame {frame} of {len(self)}")
+        return render_picture(self.frame_settings(frame % len(self)), self._reports)
+
+    def __iter__(self) -> Iterator[Picture]:
+        return (self[number] for number in range(len(self)))
+
+    def frame_settings(self, frame: int) -> RenderSettings:
+        """What :func:`quadshade.render` would be asked for, for a frame counted from 0."""
+        return self._stage.frame(frame)
+
+    @cached_property
+    def _stage(self) -> Stage:
+        settings = self.settings.styled()
+        settings.checked()
+        scene = settings.of_scene(crease=None)
+        return Stage(scene, self._mesh, self.motion)
+
+    @cached_property
+    def _mesh(self) -> Mesh:
+        return choice_mesh(self.settings.scene)
+
+    def save(self, path: str | Path) -> list[FrameRow]:
+        """
+        Draw all frames, and write them with their table and plot.
+
+        A frame that is drawn is kept beside the file until the file is written: a killed animation goes on
+        where it stopped. After Ctrl-C the file holds the frames so far.
+
+        Parameters
+        ----------
+        path : str or Path
+          .gif, .webp, .png or .apng, or a folder for numbered pictures, which is made.
+
+        Returns
+        -------
+        list of FrameRow
+
+        Raises
+        ------
+        QuadshadeError
+          A file that cannot be written, or a frame that cannot be drawn.
+        """
+        path = Path(path)
+        outputs = Outputs.of(path)
+        inputs = [
+            one for one in (self.settings.scene.scene, self.motion.keyframes) if isinstance(one, str | Path)
+        ]
+        files = (outputs.table, outputs.plot, None if outputs.is_folder else path)
+        check_writable(*files, inputs=map(Path, inputs))
+        key = animation_key(self.settings, self._mesh, self.motion, self._measures)
+        store = FrameStore(outputs.frames, key)
+        try:
+            self._fill(store)
+        except KeyboardInterrupt:
+            self._write(store, outputs)
+            raise
+        except QuadshadeError:
+            if len(store.missing(len(self))) == len(self):
+                store.remove()
+                outputs.forget()
+            raise
+        rows = self._write(store, outputs)
+        store.remove()
+        return rows
+
+    def _fill(self, store: FrameStore) -> None:
+        """Draw the frames that are missing."""
+        missing = store.missing(len(self))
+        done = len(self) - len(missing)
+        if done:
+            self._reports.notice(f"{done} of {len(self)} frames were drawn before")
+        self._tell(done)
+        for drawn in self._draw(missing):
+            store.add(drawn.row, drawn.array)
+            done += 1
+            self._tell(done)
+
+    def _tell(self, done: int) -> None:
+        """How far the animation is."""
+        if self._reports.progress is not None:
+            self._reports.progress("drawing frames", done, len(self), 0)
+
+    def _write(self, store: FrameStore, outputs: Outputs) -> list[FrameRow]:
+        """The film, table and plot of the frames that are drawn, up to the first one that is not."""
+        missing = store.missing(len(self))
+        count = missing[0] if missing else len(self)
+        rows = [row for row in map(store.row, range(count)) if row is not None]
+        if not rows:
+            return []
+        self._reports.step(f"writing {outputs.film}")
+        arrays = (store.picture(number) for number in range(count))
+        if outputs.is_folder:
+            write_pictures(outputs.film, arrays, len(self))
+        else:
+            write_film(outputs.film, arrays, count, self.motion.fps)
+        write_table(outputs.table, rows)
+        write_plot(outputs.plot, rows, self.settings.scene.name)
+        return rows
+
+    def _draw(self, frames: list[int]) -> Iterator[Drawn]:
+        """Frames as they get ready; what one frame says of itself is said once."""
+        said: set[str] = set()
+        for drawn in self._run(frames):
+            for note in drawn.notes:
+                if note not in said:
+                    said.add(note)
+                    self._reports.notice(f"frame {drawn.row.frame}: {note}")
+            yield drawn
+
+    def _run(self, frames: list[int]) -> Iterable[Drawn]:
+        """Frames from a board, this process, or several."""
+        if self.settings.port.port is not None:
+            return self._on_board(frames)
+        if self._jobs == 1 or len(frames) < 2:
+            return (self._one(number, self.frame_settings(number)) for number in frames)
+        from joblib import Parallel, delayed
+
+        run = Parallel(n_jobs=min(self._jobs, len(frames)), return_as="generator_unordered")
+        calls = (
+            delayed(draw_frame)(number, self.motion.pose(number), self.frame_settings(number), self._measures)
+            for number in frames
+        )
+        results: Iterator[Drawn] = run(calls)
+        return results
+
+    def _one(self, frame: int, settings: RenderSettings) -> Drawn:
+        return draw_frame(frame, self.motion.pose(frame), settings, self._measures)
+
+    def _on_board(self, frames: list[int]) -> Iterator[Drawn]:
+        """Frames drawn one after the other by a board that stays open."""
+        from quadshade.rendering.board import board_for
+
+        if not frames:
+            return
+        port = self.settings.port
+        with board_for(self.frame_settings(frames[0]), replace(self._reports, progress=None)) as board:
+            opened = PortChoice(board, pack_error=port.pack_error, verify=port.verify)
+            for number in frames:
+                before = board.statistics["bytes_sent"]
+                placed = self.frame_settings(number).of_scene(generics=())
+                drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()))
+                sent = int(board.statistics["bytes_sent"] - before)
+                yield drawn._replace(row=replace(drawn.row, bytes=sent))
+
+
+def draw_frame(frame: int, pose: Pose, settings: RenderSettings, measures: bool) -> Drawn:
+    """
+    Draw a frame, and measure it.
+
+    Parameters
+    ----------
+    frame : int
+    pose : Pose
+      What the settings were made from.
+    settings : RenderSettings
+      Of the frame.
+    measures : bool
+      Whether to compare it with Phong shading.
+
+    Returns
+    -------
+    Drawn
+    """
+    picture = render_picture(settings, Reports(notice=lambda _: None))
+    stats = picture.stats
+    largest = rms = None
+    if measures:
+        reference = picture.array if stats.shading == PHONG else picture.phong().array
+        largest = int(error_map(picture.array, reference).max())
+        rms = round(255 / 10 ** (psnr(picture.array, reference) / 20), 4)
+    size = None if stats.words is None else 4 * stats.words
+    turned = (pose.turn, pose.light_orbit)
+    row = FrameRow(frame, *turned, len(picture.triangles), size, stats.clocks, largest, rms)
+    return Drawn(row, picture.array, picture.notes)
+
+
+class Outputs(NamedTuple):
+    """What an animation writes, and where it keeps its frames meanwhile."""
+
+    film: Path
+    is_folder: bool
+    table: Path
+    plot: Path
+    frames: Path
+
+    @classmethod
+    def of(cls, path: Path) -> Outputs:
+        """
+        The files of an output; a folder is made.
+
+        Raises
+        ------
+        QuadshadeError
+          A name that is of no kind, or a folder that cannot be made.
+        """
+        if not is_folder(path):
+            stem, frames = path.stem, path.with_name(f".{path.name}.frames")
+            return cls(path, False, path.with_name(f"{stem}.csv"), path.with_name(f"{stem}_plot.png"), frames)
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise QuadshadeError(f"cannot write {path}: {error.strerror or error}") from None
+        return cls(path, True, path / "frames.csv", path / "plot.png", path / ".frames")
+
+    def forget(self) -> None:
+        """Remove a folder in which nothing was written."""
+        if self.is_folder and not any(self.film.iterdir()):
+            self.film.rmdir()
