@@ -206,6 +206,10 @@ synth-check: setup ## measure the table synth/resources.json again and compare (
 bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f, icebreaker
 	@$(VENV) -m scripts.bitstream build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
 
+.PHONY: clocks
+clocks: setup ## find the clock crossings in the boards' netlists; writes docs/reports/clocks.md
+	@$(VENV) -m scripts.clocks
+
 .PHONY: program
 program: setup ## load that bitstream into the board, with openFPGALoader, fujprog or iceprog
 	@$(VENV) -m scripts.bitstream program $(if $(BOARD),--board $(BOARD))

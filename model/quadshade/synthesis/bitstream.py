@@ -87,6 +87,11 @@ class BoardFile:
         return self.device.name.split("-")[0]
 
     @property
+    def sources(self) -> list[Path]:
+        """Verilog around the entity ``board``."""
+        return [self.top, *self.parts, self.top.with_name(RESET)]
+
+    @property
     def formats(self) -> Formats:
         """The core's formats."""
         known = Formats().generics()
@@ -213,10 +218,9 @@ def build(
     progress(f"{board.name}: synthesis")
     netlist = write_netlist(board.generics, ENTITY)
     (folder / "board.v").write_text(with_cells(netlist.read_text(), board.family, root))
-    sources = [board.top, *board.parts, board.top.with_name(RESET)]
-    for source in sources:
+    for source in board.sources:
         shutil.copyfile(source, folder / source.name)
-    names = " ".join(["board.v", *(source.name for source in sources)])
+    names = " ".join(["board.v", *(source.name for source in board.sources)])
     # The tops hold cells of the device, which only synthesis itself knows: it checks the hierarchy.
     commands = [line for line in mapping_commands(board.device, TOP) if not line.startswith("hierarchy")]
     commands = [f"read_verilog {names}", *commands]
