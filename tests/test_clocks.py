@@ -49,7 +49,8 @@ module top (input a, input b, input pin, input choose, output reg [15:0] seen, o
     other_edge_0 <= source;
     out <= own ? (choose_now ? source : held) : out;
     word <= words[{6{own}}];
-    seen <= {word[0], good_1, single & own, shared_0, shared_1, logic_1, enabled_1, mixed_1, held, held_by_other, masked};
+    seen <= {word[0], good_1, single & own, shared_0, shared_1, logic_1, enabled_1, mixed_1, held,
+             held_by_other, masked};
   end
   reg [1:0] choose_taken = 0;
   wire choose_now = choose_taken[1];

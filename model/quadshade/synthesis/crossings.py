@@ -2,7 +2,7 @@
 """
 Where a signal goes from one clock to another, or comes from a pin: found in Yosys' netlist of a board's top.
 
-A crossing is a flip-flop whose new value depends on a register of another clock, on a pin, or on a PLL's lock.
+A crossing is a flip-flop whose new value depends on a register of another clock, a pin, or a PLL's lock.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class Crossing:
     sink, sink_clock : str
       The register that it goes to.
     kind : str
-      ``synchroniser``: two registers in a row, and nothing looks at the first one but the second. ``held``: the
-      sink's own clock chooses when it is taken, so it may stand still by then. Else empty.
+      ``synchroniser``: two registers in a row, and nothing looks at the first one but the second.
+      ``held``: the sink's own clock chooses when it is taken, so it may stand still by then. Else empty.
     """
 
     source: str
@@ -154,7 +154,7 @@ class ClockNetlist:
             )
 
     def _add_memory(self, name: str, cell: Mapping[str, Any]) -> None:
-        """A memory is a register where it is written and where it is read by a clock, else logic of its address."""
+        """A memory is a register where it is written or read by a clock, else logic of its address."""
         ports, parameters = cell["connections"], cell["parameters"]
         clocks = {bit for bit in ports["WR_CLK"] if isinstance(bit, int)}
         by_clock = parameters["RD_CLK_ENABLE"][::-1]
