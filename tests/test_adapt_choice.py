@@ -188,7 +188,7 @@ def test_bend_bounds_quadratic_against_plane() -> None:
         ({"max_error": 0.28, "measure": "rms"}, "rounding the output costs 0.289 alone"),
         ({"budget": 100}, "the budget is 100 bytes"),
         ({"budget": 100, "unit": "clocks"}, "the budget is 100 clocks"),
-        ({"budget": 100, "unit": "words"}, "unit is 'words'; give one of bytes, clocks"),
+        ({"budget": 100, "unit": "words"}, "unit is 'words'; give one of bytes, clocks, line"),
         ({"max_error": 3.0, "measure": "mean"}, "measure is 'mean'"),
     ],
 )

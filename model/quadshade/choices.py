@@ -62,7 +62,8 @@ PACK_ERROR = 1.0 / 32.0
 """Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
 
 MEASURES = ("max", "rms")
-UNITS = ("bytes", "clocks")
+UNITS = ("bytes", "clocks", "line")
+"""Of a budget: bytes of set-up words, clocks of the core, bytes on the serial line."""
 COSTS = ("bytes", "clocks", "lut4")
 """What a sweep's points pay for their error."""
 
@@ -72,7 +73,7 @@ EDGE_VARIANTS = ("diagonal", "eight")
 GBUFFER_ORDERS = {"linear": LINEAR, "quadratic": QUADRATIC}
 SPACES = ("camera", "world")
 
-_BUDGET = re.compile(r"([0-9]{1,15})(bytes|clocks)?")
+_BUDGET = re.compile(r"([0-9]{1,15})(bytes|clocks|line)?")
 
 
 def check_word(what: str, value: object, words: tuple[str, ...]) -> None:
@@ -88,7 +89,7 @@ def parse_budget(value: Any) -> tuple[int, str]:
     Parameters
     ----------
     value : str, int or tuple of (int, str)
-      For example ``20000bytes``, ``180000clocks``, or a number of bytes.
+      For example ``20000bytes``, ``180000clocks``, ``10000line``, or a number of bytes.
 
     Raises
     ------
@@ -98,7 +99,9 @@ def parse_budget(value: Any) -> tuple[int, str]:
     text = "".join(map(str, value)) if isinstance(value, tuple) else str(value)
     match = _BUDGET.fullmatch(text.strip().lower())
     if not match:
-        raise QuadshadeError(f"{value!r} is not a budget", "write for example 20000bytes or 180000clocks")
+        raise QuadshadeError(
+            f"{value!r} is not a budget", "write for example 20000bytes, 180000clocks or 10000line"
+        )
     return int(match[1]), match[2] or UNITS[0]
 
 

@@ -12,11 +12,12 @@ import numpy as np
 from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
-from quadshade.adapt.plan import Adapted, Planner, Rival
+from quadshade.adapt.plan import Adapted, LineCount, Planner, Rival
 from quadshade.adapt.shader import ColourShader, Shader
 from quadshade.choices import MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
+from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
@@ -38,7 +39,7 @@ class ErrorCurve:
 
     Parameters
     ----------
-    projected, lights, material, formats, measure, verify, shading, specular
+    projected, lights, material, formats, measure, verify, shading, specular, count_line
       As for :func:`adapt`.
 
     Raises
@@ -58,6 +59,7 @@ class ErrorCurve:
         verify: bool = True,
         shading: str = "quadratic",
         specular: Formats | None = None,
+        count_line: LineCount = picture_line_bytes,
     ) -> None:
         check_word("error measure", measure, MEASURES)
         check_word("shading", shading, SHADINGS)
@@ -67,7 +69,7 @@ class ErrorCurve:
         for kind in SHADERS if shading == "auto" else (shading,):
             try:
                 shader = _shader(kind, projected, lights, material, formats, specular, measure)
-                self.curves.append(Curve(Planner(projected, shader), verify))
+                self.curves.append(Curve(Planner(projected, shader, count_line), verify))
             except QuadshadeError as reason:
                 self.refused[kind] = reason
         if not self.curves:
@@ -100,7 +102,7 @@ class ErrorCurve:
             picture = curve.best(budget, unit)
             if picture is None:
                 refused[curve.shading] = QuadshadeError(
-                    f"the budget is {budget} {unit}",
+                    f"the budget is {budget} {'bytes on the line' if unit == 'line' else unit}",
                     f"the cheapest picture takes {curve.picture(0).cost(unit)}: give more",
                 )
             else:
@@ -108,7 +110,8 @@ class ErrorCurve:
         if not pictures:
             raise refused[self.curves[0].shading]
         pictures.sort(key=lambda picture: (picture.error, picture.cost(unit)))
-        return self._adapted(pictures, refused)
+        adapted = self._adapted(pictures, refused)
+        return replace(adapted, line_bytes=pictures[0].plan.line) if unit == "line" else adapted
 
     def _adapted(self, pictures: list[Picture], refused: dict[str, QuadshadeError]) -> Adapted:
         """The first picture, and what is known of the second."""
@@ -135,6 +138,7 @@ def adapt(
     verify: bool = True,
     shading: str = "quadratic",
     specular: Formats | None = None,
+    count_line: LineCount = picture_line_bytes,
 ) -> Adapted:
     """
     Pick for each triangle the cheapest orders, or divide it, for an allowed error or a budget.
@@ -156,7 +160,7 @@ def adapt(
       What a picture may take, in ``unit``; of the pictures that ``max_error`` gives for any error, the one
       with the least error that takes no more.
     unit : str
-      ``bytes`` of the set-up stream or ``clocks`` of the core.
+      ``bytes`` of the set-up stream, ``clocks`` of the core, or bytes on the serial ``line``.
     measure : str
       ``max`` or ``rms``.
     verify : bool
@@ -168,6 +172,8 @@ def adapt(
       the one is taken that keeps the error in fewest bytes, or whose error is least for the budget.
     specular : Formats, optional
       Of the core that draws cosines; by default ``formats``, fitted to the lights.
+    count_line : callable
+      Bytes on the line of triangles for a core; by default those of :mod:`quadshade.packing.line`.
 
     Returns
     -------
@@ -186,7 +192,7 @@ def adapt(
         )
     curve = ErrorCurve(
         projected, lights, material, formats,
-        measure=measure, verify=verify, shading=shading, specular=specular,
+        measure=measure, verify=verify, shading=shading, specular=specular, count_line=count_line,
     )  # fmt: skip
     if budget is not None:
         return curve.for_budget(budget, unit)

@@ -66,8 +66,8 @@ class Picture(NamedTuple):
     error: float
 
     def cost(self, unit: str) -> int:
-        """What it takes, in ``bytes`` or ``clocks``."""
-        return self.plan.bytes if unit == "bytes" else self.plan.clocks
+        """What it takes, in ``bytes``, ``clocks`` or bytes on the ``line``."""
+        return int(getattr(self.plan, unit))
 
 
 class Curve:

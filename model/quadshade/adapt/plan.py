@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -15,7 +16,11 @@ from quadshade.adapt.shader import Shader, Surface
 from quadshade.contract.formats import ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
+from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
+
+LineCount = Callable[[ScreenTriangles, Formats], int]
+"""Bytes on the serial line, of triangles for a core."""
 
 COLOURS = 3
 VERIFY_ROUNDS = 8
@@ -69,6 +74,8 @@ class Adapted:
       Of the core that draws it.
     rival : Rival or None
       Where other kinds of channels were tried, what is known of the next best.
+    line_bytes : int or None
+      The most that it takes on the serial line, where the budget was one of these.
     """
 
     triangles: ScreenTriangles
@@ -81,6 +88,7 @@ class Adapted:
     shading: str
     formats: Formats
     rival: Rival | None = None
+    line_bytes: int | None = None
 
     def mix(self) -> dict[str, Any]:
         """Counts for reports: shading, triangles sent, divided ones, and triangles and channels by order."""
@@ -93,6 +101,7 @@ class Adapted:
             "adaptive_shading": self.shading,
             "rival": None if self.rival is None else self.rival._asdict(),
             "state_bytes": state_bytes(self.triangles),
+            "line_bytes": self.line_bytes,
             "specular_by_order": dict(zip(ORDER_NAMES, map(int, powers), strict=True)),
             "triangles_of_mesh": self.roots,
             "divided": int((np.bincount(self.root, minlength=self.roots) > 1).sum()),
@@ -108,8 +117,10 @@ class Adapted:
 class Planner:
     """One mesh and one kind of channels, planned for one goal after another."""
 
-    def __init__(self, projected: Projected, shader: Shader) -> None:
-        self.shader, self.measure = shader, shader.measure
+    def __init__(
+        self, projected: Projected, shader: Shader, count_line: LineCount = picture_line_bytes
+    ) -> None:
+        self.shader, self.measure, self.count_line = shader, shader.measure, count_line
         self.whole = shader.surface(projected)
         self._drawn: dict[int, tuple[float, float, int]] = {}
 
@@ -242,6 +253,11 @@ class Plan:
     def bytes(self) -> int:
         """What the set-up stream and the shade unit's state take."""
         return stream_bytes(self.triangles, self.planner.shader.formats)
+
+    @cached_property
+    def line(self) -> int:
+        """The most bytes that it takes on the serial line."""
+        return self.planner.count_line(self.triangles, self.planner.shader.formats)
 
     @cached_property
     def clocks(self) -> int:

@@ -135,6 +135,14 @@ def _lowered(triangles: ScreenTriangles, order: int) -> ScreenTriangles:
     return replace(triangles, samples=samples, orders=np.minimum(triangles.orders, order))
 
 
+def sent_triangles(triangles: ScreenTriangles, formats: Formats) -> ScreenTriangles:
+    """What :meth:`quadshade.Board.draw` sets up for a board of some formats, in the order it is sent."""
+    matched, _ = matched_channels(triangles, formats)
+    if formats.with_depth or matched.depth is None:
+        return matched
+    return replace(painters_order(matched), depth=None)
+
+
 def painters_order(triangles: ScreenTriangles) -> ScreenTriangles:
     """The same triangles, farthest centre first; depth is kept."""
     if triangles.depth is None:

@@ -38,9 +38,10 @@ ERROR_OPTIONS: list[Decorator] = [
     option(
         "Accuracy",
         "--budget",
-        type=Parsed("N[bytes|clocks]", parse_budget),
+        type=Parsed("N[bytes|clocks|line]", parse_budget),
         help="Adaptive: of the pictures of --max-error the one with the least error that takes no more "
-        "bytes of set-up words, or clocks of the core, e.g. 20000bytes or 180000clocks.",
+        "bytes of set-up words, clocks of the core, or bytes on the serial line: 20000bytes, 180000clocks, "
+        "10000line.",
     ),
     option(
         "Accuracy",

@@ -164,14 +164,14 @@ def pack_frame(
         batch.words,
         len(np.unique(primitives.triangle)),
         len(primitives),
-        () if state is None else _runs(state.writes()),
+        () if state is None else state_runs(state.writes()),
         screen.frame_crc(COLOUR),
         screen.frame_crc(DEPTH) if formats.with_depth else 0,
     )
     return frame, batch
 
 
-def _runs(writes: np.ndarray) -> tuple[tuple[int, np.ndarray], ...]:
+def state_runs(writes: np.ndarray) -> tuple[tuple[int, np.ndarray], ...]:
     """Writes (m, 2) of consecutive addresses together: address of the first, words."""
     breaks = np.flatnonzero(np.diff(writes[:, 0].astype(np.int64)) != 1) + 1
     return tuple((int(run[0, 0]), run[:, 1].copy()) for run in np.split(writes, breaks))

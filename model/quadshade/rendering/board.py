@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from quadshade.adapt.plan import LineCount
 from quadshade.board import Board, BoardSettings
 from quadshade.board.engines import board_engine
+from quadshade.board.fallbacks import sent_triangles
 from quadshade.board.large_screen import large_screen_notice
 from quadshade.board.settings import board_settings
 from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error
@@ -25,7 +27,7 @@ from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import ShownScene, shade_scene, show_scene
+from quadshade.rendering.shade import ShownScene, default_count, shade_scene, show_scene
 from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.shading import UnsuitedError, specular_formats
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
@@ -130,7 +132,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         formats = settings.checked()
         scene = show_scene(settings, formats, reports)
         reports.step(f"shading {len(scene.projected)} triangles")
-        shaded = shade_scene(settings, scene, formats, reports)
+        shaded = shade_scene(settings, scene, formats, reports, _line_count(settings, board))
         triangles = shaded.triangles
         width, height = triangles.width, triangles.height
         frames = []
@@ -163,6 +165,12 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
+
+
+def _line_count(settings: RenderSettings, board: Board) -> LineCount:
+    """What a frame takes on the line to a board, with the channels and the depth that it has."""
+    count = default_count(settings)
+    return lambda triangles, _: count(sent_triangles(triangles, board.formats), board.formats)
 
 
 def _packing_note(pack_error: float) -> str:

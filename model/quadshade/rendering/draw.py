@@ -273,7 +273,8 @@ def adapt_note(shaded: Shaded) -> str:
         orders += f", {powers} with a power"
     return (
         f"\n  channels   {adapted.shading}\n  bytes      {size}{other}"
-        f"\n  triangles  {mix['triangles']} sent: {orders}"
+        + (f"\n  line       at most {adapted.line_bytes} bytes" if adapted.line_bytes is not None else "")
+        + f"\n  triangles  {mix['triangles']} sent: {orders}"
         f"\n  divided    {mix['divided']} of {mix['triangles_of_mesh']} triangles seen"
     )
 

@@ -117,7 +117,8 @@ def render(
     max_error : float, optional
       Grey levels against Phong shading, for which the cheapest orders are chosen (``docs/guide/adapt.md``).
     budget : str, int or (int, str), optional
-      ``"30000bytes"`` or ``"180000clocks"``: the least error for that; a number is bytes.
+      ``"30000bytes"``, ``"180000clocks"`` or ``"10000line"`` (bytes on the serial line): the least error for
+      that; a number is bytes.
     error_measure : str, optional
       ``max`` (the default) or ``rms``: what the two mean by error.
     verify : bool

@@ -190,7 +190,7 @@ class AdaptChoice:
 
     @property
     def number_and_unit(self) -> tuple[int | None, str]:
-        """The budget, in bytes or clocks."""
+        """The budget, in one of :data:`quadshade.choices.UNITS`."""
         return (None, "bytes") if self.budget is None else parse_budget(self.budget)
 
     def arguments(self) -> dict[str, Any]:

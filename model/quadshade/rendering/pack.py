@@ -12,7 +12,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.packing.frame_file import FrameFile, encode_frame_file, pack_frame
 from quadshade.rendering.draw import adapt_note
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import shade_scene, show_scene
+from quadshade.rendering.shade import default_count, shade_scene, show_scene
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ def pack_picture(
         raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
     scene = show_scene(settings, formats, reports)
     reports.step(f"packing {len(scene.projected)} triangles")
-    shaded = shade_scene(settings, scene, formats, reports)
+    count = default_count(settings, parse_pack_error(pack_error))
+    shaded = shade_scene(settings, scene, formats, reports, count)
     frame, batch = pack_frame(
         shaded.triangles,
         shaded.formats,

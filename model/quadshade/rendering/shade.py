@@ -5,14 +5,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from quadshade.choices import ADAPTIVE_SHADINGS, FITS, PHONG, SMOOTHNESS, SPECULAR_ORDERS
+from quadshade.choices import (
+    ADAPTIVE_SHADINGS,
+    FITS,
+    PHONG,
+    SMOOTHNESS,
+    SPECULAR_ORDERS,
+    parse_pack_error,
+)
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.packing.line import picture_line_bytes
 from quadshade.rendering.groups import SceneChoice
 from quadshade.rendering.settings import RenderSettings, Reports, check_colours
+from quadshade.rendering.supersample import jitter, moved
 from quadshade.scene import Camera, Mesh, Projected, build_mesh, load_scene, parse_camera, project
 from quadshade.scene.from_trimesh import mesh_from_trimesh
 from quadshade.shading import (
@@ -32,6 +42,7 @@ from quadshade.shading.sample import widened
 
 if TYPE_CHECKING:
     from quadshade.adapt import Adapted
+    from quadshade.adapt.plan import LineCount
 
 
 @dataclass(frozen=True)
@@ -138,7 +149,13 @@ def _material(choice: SceneChoice) -> Material:
     return material if reflectance is None else replace(material, reflectance=reflectance)
 
 
-def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, reports: Reports) -> Shaded:
+def shade_scene(
+    settings: RenderSettings,
+    shown: ShownScene,
+    formats: Formats,
+    reports: Reports,
+    count_line: LineCount | None = None,
+) -> Shaded:
     """
     Shade a scene at the points that its shading needs, or what is cheapest for its error or budget.
 
@@ -150,6 +167,8 @@ def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, r
       From :meth:`RenderSettings.checked`.
     reports : Reports
       Its ``notice`` is told where a scene cannot be drawn as asked, and how it is drawn instead.
+    count_line : callable, optional
+      Bytes on the line of one frame; by default of a board that is the core.
 
     Returns
     -------
@@ -161,7 +180,7 @@ def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, r
       A limit that cannot be kept, or formats that do not go with the scene.
     """
     if settings.adapt.is_adaptive:
-        adapted = _adapted(settings, shown, formats, reports)
+        adapted = _adapted(settings, shown, formats, reports, count_line or default_count(settings))
         return Shaded(adapted.triangles, adapted.formats, adapted)
     choice = settings.scene
     shading, x_shading = choice.interpolation, settings.setup.setup == "xshading"
@@ -191,7 +210,19 @@ def shade_scene(settings: RenderSettings, shown: ShownScene, formats: Formats, r
     return Shaded(widened(triangles, formats.num_channels), formats, None)
 
 
-def _adapted(settings: RenderSettings, shown: ShownScene, formats: Formats, reports: Reports) -> Adapted:
+def default_count(settings: RenderSettings, error: float | None = None) -> LineCount:
+    """What a frame takes on the line to a board that is the core; ``error`` is that of packing."""
+    error = parse_pack_error(settings.port.added_error) if error is None else error
+    return partial(picture_line_bytes, error=error, **settings.setup.arguments())
+
+
+def _adapted(
+    settings: RenderSettings,
+    shown: ShownScene,
+    formats: Formats,
+    reports: Reports,
+    count_line: LineCount,
+) -> Adapted:
     """What is to be drawn for an error or a budget; of colours or cosines, whichever takes least."""
     from quadshade.adapt import adapt
 
@@ -203,7 +234,12 @@ def _adapted(settings: RenderSettings, shown: ShownScene, formats: Formats, repo
         except UnsuitedError as reason:
             shading = ADAPTIVE_SHADINGS[0]
             reports.notice(f"drawn as {shading}: {reason}")
-    arguments = settings.adapt.arguments()
+    moves = jitter(settings.scene.supersample, formats)
+
+    def count(triangles: ScreenTriangles, core: Formats) -> int:
+        return sum(count_line(moved(triangles, by, core), core) for by in moves)
+
     return adapt(
-        projected, lights, surface, formats, **arguments, shading=shading or "auto", specular=specular
-    )
+        projected, lights, surface, formats, **settings.adapt.arguments(),
+        shading=shading or "auto", specular=specular, count_line=count,
+    )  # fmt: skip
