@@ -18,6 +18,8 @@ from quadshade.golden.screen.scan_out import Timing, frame_words
 SMALL = Timing(24, 2, 3, 4, 18, 1, 2, 3)
 LATENCY = 7
 """Pixels from a place of the frame to its words."""
+ENCODER_LATENCY = 4
+"""How many of them are the encoder's."""
 
 
 @dataclass(frozen=True)
@@ -160,3 +162,42 @@ async def others_read(dut: Any) -> None:
     bench.check("some scanlines were black", 0 < blacks < frames * bench.config.height, True)
     bench.check("a frame without others", monitor.lines(frames + 1), right)
     bench.finish(at_least=20)
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+async def resets(dut: Any) -> None:
+    """A reset in any clock begins a frame, without its first scanline; the one behind it is whole."""
+    bench = Bench(dut, Config, "resets")
+    await bench.start("may_read", "read_value")
+    monitor, config, timing = Monitor(bench), bench.config, bench.config.timing
+    step = timing.all_columns
+    scale = timing.columns // config.width
+    for index in range(10):
+        picture = monitor.paint()
+        monitor.words = []
+        # Often where a line begins, in the clock in which a scanline's fetch may start.
+        line = bench.draw.choice((0, scale, 2 * scale, 2 * scale, timing.all_lines - 1))
+        pixels = line * step + bench.draw.choice((0, 0, 0, 1, bench.draw.randrange(step)))
+        while len(monitor.words) < pixels:
+            await monitor.cycle()
+        late = config.clocks_per_pixel - 1
+        for _ in range(bench.draw.choice((late, late, bench.draw.randint(0, late)))):
+            await monitor.cycle()
+        for _ in range(bench.draw.choice((1, 1, 1, 5))):
+            dut.reset.value = 1
+            await monitor.cycle()
+        dut.reset.value = 0
+        monitor.words = []
+        rows = bench.draw.choice((1, 2, 3)) * scale
+        await monitor.until(0, min(rows, timing.all_lines))
+        shown = np.concatenate([np.zeros_like(picture[:1]), picture[1:]])
+        right = split(list(frame_words(shown, timing)), timing)
+        for words in monitor.words[ENCODER_LATENCY:LATENCY]:
+            bench.check("a word of before is a pixel", words[1:], right[-1][0][1:], index)
+        got = monitor.words[LATENCY:]
+        for begin in range(0, len(got), step):
+            bench.check("words of a line", got[begin : begin + step], right[begin // step], (index, begin))
+    await monitor.until(1, timing.lines)
+    right = split(list(frame_words(picture, timing)), timing)
+    bench.check("the frame behind", monitor.lines(1)[: timing.lines], right[: timing.lines])
+    bench.finish(at_least=60)

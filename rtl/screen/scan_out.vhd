@@ -153,6 +153,7 @@ begin
         end if;
       end if;
       if reset = '1' then
+        starts <= '0';
         column <= 0;
         line <= 0;
         square_column <= 0;
