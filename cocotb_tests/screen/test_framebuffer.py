@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import repeat
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.block_ram import BlockRam
 
@@ -49,11 +52,9 @@ def test_framebuffer(config: Config) -> None:
     simulate("framebuffer", config)
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(pixels=list(SPEEDS), reads=list(SPEEDS))
-async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
-    bench = Bench(dut, Config, f"every_cycle {pixels} {reads}")
-    config = bench.config
+async def compare(bench: Bench, pixels: str, reads: str, resets: Iterator[bool]) -> None:
+    """Every port in every cycle."""
+    dut, config = bench.dut, bench.config
     words = config.width * config.height
     await bench.start(*INPUTS)
     # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
@@ -77,7 +78,8 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
             x, y, _ = coming[0][0]
             if x < config.width and y < config.height:
                 address = y * config.width + x
-        look = next(looks)
+        look, reset = next(looks), next(resets)
+        dut.reset.value = int(reset)
         dut.pixel_valid.value = int(offered is not None)
         for name, word in zip(PIXEL, offered or (0, 0, 0), strict=True):
             getattr(dut, f"pixel_{name}").value = word
@@ -86,6 +88,8 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
         await bench.edge()
         bench.check("busy", bool(dut.busy.value), busy > 0, index)
         bench.check("pixel_ready", bool(dut.pixel_ready.value), busy == 0, index)
+        on_their_way = any(x < config.width and y < config.height for some in coming for x, y, _ in some)
+        bench.check("idle", bool(dut.idle.value), busy == 0 and not on_their_way, index)
         if memory.read_data is not None:
             bench.check("read_value", int(dut.read_value.value), memory.read_data, index)
         write = None
@@ -113,4 +117,25 @@ async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
             memory.fill(value, words)
         elif busy > 0:
             busy -= 1
+        if reset:
+            # To the value that stands there, whatever was on its way or was filled.
+            coming, busy = deque([[], []]), words
+            memory.fill(value, words)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(pixels=list(SPEEDS), reads=list(SPEEDS))
+async def every_cycle(dut: Any, pixels: str, reads: str) -> None:
+    bench = Bench(dut, Config, f"every_cycle {pixels} {reads}")
+    await compare(bench, pixels, reads, repeat(False))
+    bench.finish(at_least=3000)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(pixels=list(SPEEDS))
+async def resets(dut: Any, pixels: str) -> None:
+    """A reset amid pixels, reads and clears begins a clear."""
+    bench = Bench(dut, Config, f"resets {pixels}")
+    words = bench.config.width * bench.config.height
+    await compare(bench, pixels, "full_speed", at_random(bench.draw, words + 20))
     bench.finish(at_least=3000)

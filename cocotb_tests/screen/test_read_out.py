@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import cocotb
 import pytest
 
-from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, full_speed
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.block_ram import BlockRam
 from quadshade.golden.screen.read_out import Area, read_out
@@ -30,12 +31,16 @@ class Config:
     coord_bits: int = 6
     num_channels: int = 3
     read_stages: int = 3
+    with_count: int = 1
+    with_crc: int = 1
 
 
 CONFIGS = [
     Config(),
     Config(width=8, height=8, coord_bits=3, num_channels=1, read_stages=2),
     Config(width=5, height=1, num_channels=4),
+    Config(width=1, height=1, coord_bits=1, read_stages=5),
+    Config(width=7, height=8, coord_bits=3, with_count=0, with_crc=0),
 ]
 
 
@@ -81,36 +86,57 @@ class Reader:
         return self.bench.cycle
 
 
-def areas(bench: Bench) -> list[Area]:
-    """The screen, single pixels, columns, lines, part lines, areas below the screen, and random ones."""
-    width, height = bench.config.width, bench.config.height
+def corner_areas(config: Config) -> list[Area]:
+    """The screen, single pixels, columns, lines, part lines; what ends at an edge, and what passes one."""
+    width, height = config.width, config.height
+    # What the ports can say at most.
+    last, widest = (1 << config.coord_bits) - 1, (2 << config.coord_bits) - 1
+    most = (2 << max((width * height - 1).bit_length(), 1)) - 1
     some = [
         Area(0, 0, width, width * height),
+        Area(0, 0, width, most),
+        Area(0, 0, 1, 1),
+        Area(width - 1, 0, 1, 1),
+        Area(0, height - 1, 1, 1),
         Area(width - 1, height - 1, 1, 1),
+        Area(width - 1, height - 1, 1, most),
         Area(width - 1, 0, 1, height),
+        Area(width - 1, 0, 1, most),
         Area(0, height - 1, width, width),
-        Area(1, 0, 2, 3),
         Area(0, height - 1, width, width + 5),
+        Area(width // 2, height // 2, width - width // 2, most),
         Area(0, 0, 0, 4),
         Area(0, 0, 1, 0),
         Area(1, 0, width, 4),
-        Area(0, min(height, (1 << bench.config.coord_bits) - 1), 1, 1),
+        Area(0, min(height, last), 1, 1),
+        Area(0, last, 1, 1),
+        Area(last, 0, 1, 1),
+        Area(last, last, widest, most),
+        Area(0, 0, width + 1, 1),
+        Area(0, 0, widest, 1),
     ]
-    for _ in range(15):
-        x, y = bench.draw.randrange(width), bench.draw.randrange(height)
-        some.append(Area(x, y, bench.draw.randint(1, width - x), bench.draw.randint(1, width * height // 2)))
-    return some
+    # Sums beyond the widest, which an adder of a bit too few would take for small ones.
+    for total in range(widest + 1, min(widest + width, widest + last) + 1):
+        some.append(Area(total - widest, 0, widest, 2))
+        some.append(Area(last, 0, total - last, 2))
+    return [area for area in some if area.width <= widest and area.count <= most]
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(sink=list(SPEEDS))
-async def every_area(dut: Any, sink: str) -> None:
-    bench = Bench(dut, Config, f"every_area {sink}")
-    await bench.start(*INPUTS)
-    config = bench.config
-    reader = Reader(bench, sink)
-    for index, area in enumerate(areas(bench)):
-        values, crc = read_out(reader.words, config.width, config.height, area, config.num_channels)
+def random_area(bench: Bench) -> Area:
+    """An area within the screen."""
+    width, height = bench.config.width, bench.config.height
+    x, y = bench.draw.randrange(width), bench.draw.randrange(height)
+    count = bench.draw.randint(1, max(width * height // 2, 1))
+    return Area(x, y, bench.draw.randint(1, width - x), count)
+
+
+async def read_all(reader: Reader, asked: list[Area], sink: str) -> None:
+    """Areas, one after the other."""
+    bench, dut, config = reader.bench, reader.bench.dut, reader.bench.config
+    for index, area in enumerate(asked):
+        # Without a count an area ends with the screen.
+        meant = area if config.with_count or not area.count else replace(area, count=len(reader.words))
+        values, crc = read_out(reader.words, config.width, config.height, meant, config.num_channels)
         reader.sink.words, reader.sink.taken_at = [], []
         accepted = await reader.read(area)
         await reader.cycle()
@@ -119,39 +145,42 @@ async def every_area(dut: Any, sink: str) -> None:
             if len(reader.sink.words) >= len(values) and dut.area_ready.value:
                 break
             await reader.cycle()
+            bench.check("refused once", bool(dut.refused.value), False, index, area)
         expected = [(value, int(place == len(values) - 1)) for place, value in enumerate(values)]
         bench.check_all("pixel, last", reader.sink.words, expected)
         data = b"".join(value.to_bytes(config.num_channels, "little") for value in values)
-        bench.check("crc", int(dut.crc.value), zlib.crc32(data), index, area)
+        bench.check("crc", int(dut.crc.value), zlib.crc32(data) * config.with_crc, index, area)
         bench.check("model's crc", crc, zlib.crc32(data), index, area)
         times = reader.sink.taken_at
         if sink == "full_speed" and values:
-            bench.check("latency", times[0] - accepted, bench.config.read_stages + BEHIND, index, area)
+            bench.check("latency", times[0] - accepted, config.read_stages + BEHIND, index, area)
             bench.check(
                 "clocks between pixels", {b - a for a, b in pairwise(times)} <= {1}, True, index, area
             )
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def every_area(dut: Any, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_area {sink}")
+    await bench.start(*INPUTS)
+    asked = corner_areas(bench.config) + [random_area(bench) for _ in range(15)]
+    await read_all(Reader(bench, sink), asked, sink)
     bench.finish(at_least=100)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def reset_ends_an_area(dut: Any) -> None:
-    bench = Bench(dut, Config, "reset_ends_an_area")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def resets(dut: Any, sink: str) -> None:
+    """Amid an area, and in the cycle in which one is refused."""
+    bench = Bench(dut, Config, f"resets {sink}")
     await bench.start(*INPUTS)
-    config = bench.config
-    reader = Reader(bench, "throttled")
-    whole = Area(0, 0, config.width, config.width * config.height)
-    for waits in range(8):
-        await reader.read(whole)
-        for _ in range(waits):
-            await reader.cycle()
-        await bench.reset()
-        reader.sink.held = None
-        await bench.edge()
-        bench.check("pixel_valid after reset", bool(dut.pixel_valid.value), False, waits)
-        bench.check("area_ready after reset", bool(dut.area_ready.value), True, waits)
-    reader.sink.words, reader.sink.go = [], full_speed(bench.draw)
-    await reader.read(Area(0, 0, 2, 2))
-    for _ in range(config.read_stages + BEHIND + 5):
-        await reader.cycle()
-    bench.check("pixels after reset", [word for word, _ in reader.sink.words], reader.words[:2])
-    bench.finish(at_least=17)
+
+    async def work() -> None:
+        refused = Area(0, 0, 0, 1)
+        asked = [random_area(bench), refused, random_area(bench), refused]
+        await read_all(Reader(bench, sink), asked, sink)
+
+    events = ("area_valid", "refused", "pixel_valid")
+    await reset_amid(bench, work, events, 24, quiet=("pixel_valid", "refused"))
+    bench.finish(at_least=200)
