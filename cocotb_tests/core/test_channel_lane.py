@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
+from itertools import dropwhile, repeat
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import DIFFERENCES, Formats
 from quadshade.golden.clocks import WALK_STAGES
@@ -150,10 +152,9 @@ class Core:
         return held or any(self.stages) or bool(self.drawing) or self.clamped is not None or not self.ended
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(speed=list(SPEEDS))
-async def every_pixel(dut: Any, speed: str) -> None:
-    bench = Bench(dut, Config, f"every_pixel {speed}")
+async def compare(bench: Bench, speed: str, resets: Iterator[bool]) -> None:
+    """Every value in every cycle."""
+    dut = bench.dut
     ports = (
         "walk_span_coming",
         "span_single",
@@ -164,11 +165,13 @@ async def every_pixel(dut: Any, speed: str) -> None:
     )
     await bench.start("setup_words", "setup_copy", "walk_first_coming", "walk_carry", *ports)
     wants = SPEEDS[speed](bench.draw)
-    width = bench.config.word_width
-    core = Core(scanlines(bench), SpanChain(bench.config.span_depth))
+    width, depth = bench.config.word_width, bench.config.span_depth
+    lines = scanlines(bench)
+    core = Core(lines, SpanChain(depth))
     index = 0
     while core.busy:
-        inputs = core.inputs(next(wants))
+        inputs, reset = core.inputs(next(wants)), next(resets)
+        dut.reset.value = int(reset)
         for port in ports:
             getattr(dut, port).value = int(getattr(inputs, port))
         copied, walked = core.stages[1], core.stages[2]
@@ -183,4 +186,24 @@ async def every_pixel(dut: Any, speed: str) -> None:
             bench.check("clamped_value", got, core.clamped, index, inputs)
             index += core.handshake.advance
         core.clock(inputs)
+        if reset:
+            # What was walked is gone: the next scanline is a primitive's first.
+            ahead = dropwhile(lambda line: line is None or not line.first, lines)
+            core = Core(ahead, SpanChain(depth), ended=core.ended)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def every_pixel(dut: Any, speed: str) -> None:
+    bench = Bench(dut, Config, f"every_pixel {speed}")
+    await compare(bench, speed, repeat(False))
     bench.finish(at_least=300)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def resets(dut: Any, speed: str) -> None:
+    """A reset at any stage; the primitives behind it have their own colours."""
+    bench = Bench(dut, Config, f"resets {speed}")
+    await compare(bench, speed, at_random(bench.draw, 30))
+    bench.finish(at_least=50)

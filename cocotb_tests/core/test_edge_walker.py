@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import repeat
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import EDGE_FIELDS, EDGES, Formats
 from quadshade.golden.clocks import WALK_STAGES
@@ -92,6 +95,11 @@ class Stages:
                 self.coming = list(taken)
             self.lines = [self.coming.pop(0) if self.coming else None, *self.lines[:-1]]
 
+    def reset(self) -> None:
+        """No scanline is left; whether words are copied was settled before."""
+        self.coming = []
+        self.lines = [None] * len(self.lines)
+
 
 def span_words(dut: Any) -> tuple[int, ...]:
     """The span at the output ports."""
@@ -128,10 +136,9 @@ def check_outputs(bench: Bench, stages: Stages, enable: bool, index: int, inputs
         bench.check("last, mirror, y, column, count", span_words(dut), expected, index, inputs)
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def every_cycle(dut: Any, source: str, sink: str) -> None:
-    bench = Bench(dut, Config, f"every_cycle {source} {sink}")
+async def compare(bench: Bench, source: str, sink: str, resets: Iterator[bool]) -> tuple[int, int]:
+    """Every port in every cycle; cycles from the first primitive to the last, and scanlines."""
+    dut = bench.dut
     await bench.start("enable", "setup_valid", *PORTS)
     offers, enables = SPEEDS[source](bench.draw), SPEEDS[sink](bench.draw)
     formats = bench.config.formats
@@ -145,7 +152,8 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
             fields = random_fields(formats, bench.rng)
             for port in PORTS:
                 getattr(dut, port).value = fields[port.removeprefix("setup_")]
-        enable = next(enables)
+        enable, reset = next(enables), next(resets)
+        dut.reset.value = int(reset)
         dut.enable.value = int(enable)
         dut.setup_valid.value = int(offered)
         await bench.edge()
@@ -160,30 +168,26 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
             if index < PRIMITIVES:
                 rows += max(len(taken), LEAST_APART)
         stages.clock(enable, taken)
+        if reset:
+            stages.reset()
+    return last_take - first_take, rows
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_cycle(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_cycle {source} {sink}")
+    cycles, rows = await compare(bench, source, sink, repeat(False))
     if source == sink == "full_speed":
         # A scanline in every cycle, no bubble at the middle vertex or between primitives.
-        bench.check("cycles from first to last primitive", last_take - first_take, rows)
+        bench.check("cycles from first to last primitive", cycles, rows)
     bench.finish(at_least=10 * PRIMITIVES)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def reset_forgets(dut: Any) -> None:
-    bench = Bench(dut, Config, "reset_forgets")
-    await bench.start("enable", "setup_valid", *PORTS)
-    dut.enable.value = 1
-    for cycles in range(1, bench.config.walk_stages + 2):
-        dut.setup_minor_column.value = 5
-        dut.setup_rows_first.value = 3
-        dut.setup_has_second.value = cycles % 2
-        dut.setup_valid.value = 1
-        await bench.edge()
-        dut.setup_valid.value = 0
-        for _ in range(cycles):
-            await bench.edge()
-        bench.check("busy before the reset", bool(dut.busy.value), True, cycles)
-        await bench.reset()
-        for _ in range(bench.config.walk_stages + 1):
-            await bench.edge()
-            bench.check("busy after the reset", bool(dut.busy.value), False, cycles)
-            bench.check("span_valid after the reset", bool(dut.span_valid.value), False, cycles)
-    bench.finish()
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def resets(dut: Any, source: str, sink: str) -> None:
+    """A reset forgets the primitive that is walked, and every scanline on its way."""
+    bench = Bench(dut, Config, f"resets {source} {sink}")
+    await compare(bench, source, sink, at_random(bench.draw, 10))
+    bench.finish(at_least=10 * PRIMITIVES)

@@ -8,10 +8,12 @@ from itertools import count, repeat
 from typing import Any
 
 import cocotb
+import numpy as np
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
-from cocotb_tests.support.core_run import Run, stimulus
+from cocotb_tests.support.core_run import Run, mixed_packets, stimulus
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.golden.compiled import draw_fast
@@ -96,24 +98,21 @@ async def slowed(dut: Any, source: str, sink: str) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def reset_recovers(dut: Any) -> None:
-    bench = Bench(dut, Config, "reset_recovers")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def resets(dut: Any, sink: str) -> None:
+    """Amid a packet, a span, a wait for ready: nothing is left, and what follows takes its own clocks."""
+    bench = Bench(dut, Config, f"resets {sink}")
     await bench.start("setup_valid", "setup_data", "pixel_ready")
-    for speed in ("full_speed", "throttled", "full_speed"):
-        words = stimulus(bench, 12)
-        run = Run(bench, words, SPEEDS[speed](bench.draw), SPEEDS[speed](bench.draw))
-        # Somewhere within a packet, with others on their way.
-        while len(run.source.accepted_at) < len(run.beats) * 2 // 3:
-            await run.cycle()
-        while len(run.source.accepted_at) in run.settled:
-            await run.cycle()
-        got = run.sink.words
-        bench.check_all("pixel before the reset", got, run.expected[: len(got)], run.inputs)
-        dut.setup_valid.value = 0
-        await bench.reset()
-        words = stimulus(bench, 6)
-        run = Run(bench, words, repeat(True), repeat(True))
+
+    packets = mixed_packets(bench, 14)
+
+    async def work() -> None:
+        words = np.concatenate([next(packets) for _ in range(3)])
+        run = Run(bench, words, repeat(True), SPEEDS[sink](bench.draw))
         await run.finish()
-        if not bench.config.single_buffer:
-            bench.check("clocks after the reset", run.clocks, draw_fast(words, bench.config).clocks)
+        if sink == "full_speed" and not bench.config.single_buffer:
+            bench.check("clocks", run.clocks, draw_fast(words, bench.config).clocks)
+
+    events = (("setup_valid", "setup_ready"), "pixel_valid")
+    await reset_amid(bench, work, events, 12, quiet=("pixel_valid",))
     bench.finish(at_least=200)

@@ -10,6 +10,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.golden.core.setup_loader import load_packets
@@ -120,15 +121,12 @@ def beats_of(words: list[int], formats: Formats) -> list[tuple[int]]:
     return [(sum(int(word) << (SETUP_WORD_BITS * index) for index, word in enumerate(row)),) for row in rows]
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def every_packet(dut: Any, source: str, sink: str) -> None:
-    bench = Bench(dut, Config, f"every_packet {source} {sink}")
-    formats = bench.config
-    await bench.start("setup_valid", "setup_data", "packet_taken", "words_pending")
-    words = triangle_words(formats, bench.rng, 6).tolist()
-    for _ in range(PACKETS):
-        words += malformed_packet(formats, bench.rng)
+INPUTS = ("setup_valid", "setup_data", "packet_taken", "words_pending")
+
+
+async def take(bench: Bench, words: list[int], source: str, sink: str) -> None:
+    """Packets through the loader, every flag in every cycle."""
+    dut, formats = bench.dut, bench.config
     packets = expected_packets(words, formats)
     beats = beats_of(words, formats)
     stream = StreamSource(
@@ -165,36 +163,31 @@ async def every_packet(dut: Any, source: str, sink: str) -> None:
         pauses = (len(packets) - 1) * (2 if one_beat else 1)
         cycles = stream.accepted_at[-1] - stream.accepted_at[0] + 1
         bench.check("cycles for all beats", cycles, len(beats) + pauses)
-    bench.finish(at_least=2 * len(packets))
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def reset_begins_anew(dut: Any) -> None:
-    bench = Bench(dut, Config, "reset_begins_anew")
-    formats = bench.config
-    await bench.start("setup_valid", "setup_data", "packet_taken", "words_pending")
-    for index in range(20):
-        words = malformed_packet(formats, bench.rng)
-        (packet,) = expected_packets(words, formats)
-        beats = beats_of(words, formats)
-        # Any number of beats, then a reset, then the packet as a whole.
-        for count in (bench.draw.randint(1, len(beats)), len(beats)):
-            await bench.reset()
-            stream = StreamSource(
-                dut.setup_valid,
-                dut.setup_ready,
-                [dut.setup_data],
-                beats[:count],
-                SPEEDS["full_speed"](bench.draw),
-            )
-            while not stream.empty:
-                stream.drive()
-                await bench.edge()
-                stream.sample(bench.cycle)
-        await bench.edge()
-        bench.check("packet_valid", bool(dut.packet_valid.value), True, index, packet.fields)
-        bench.check("edge_data", int(dut.edge_data.value), packet.edge_data, index, packet.fields)
-        # The words may come a cycle later than the edges: they are copied two cycles later.
-        await bench.edge()
-        bench.check("words", int(dut.words.value), packet.words, index, packet.fields)
-    bench.finish(at_least=60)
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_packet(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_packet {source} {sink}")
+    await bench.start(*INPUTS)
+    words = triangle_words(bench.config, bench.rng, 6).tolist()
+    for _ in range(PACKETS):
+        words += malformed_packet(bench.config, bench.rng)
+    await take(bench, words, source, sink)
+    bench.finish(at_least=2 * PACKETS)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def resets(dut: Any, sink: str) -> None:
+    """Amid a packet, with one waiting, while its words are copied."""
+    bench = Bench(dut, Config, f"resets {sink}")
+    await bench.start(*INPUTS)
+
+    async def work() -> None:
+        words = [word for _ in range(2) for word in malformed_packet(bench.config, bench.rng)]
+        await take(bench, words, "full_speed", sink)
+
+    events = (("setup_valid", "setup_ready"), "packet_valid", "packet_taken", "words_pending")
+    await reset_amid(bench, work, events, 24, quiet=("busy", "packet_valid"))
+    bench.finish(at_least=200)

@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import repeat
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.golden.core.edge_walker import Scanline
@@ -65,10 +67,9 @@ def words(span: Scanline, column_bits: int) -> tuple[int, ...]:
     return int(span.last), int(span.mirror), span.column, span.y, span.count % (1 << column_bits)
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def every_cycle(dut: Any, source: str, sink: str) -> None:
-    bench = Bench(dut, Config, f"every_cycle {source} {sink}")
+async def compare(bench: Bench, source: str, sink: str, resets: Iterator[bool]) -> tuple[int, int]:
+    """Every port in every cycle; cycles, and pixels that were taken."""
+    dut = bench.dut
     await bench.start("span_valid", "advance", *PORTS)
     offers, wants = SPEEDS[source](bench.draw), SPEEDS[sink](bench.draw)
     formats = bench.config.formats
@@ -81,7 +82,8 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
         if offered is None and more and next(offers):
             offered = next(waiting, None)
             more = offered is not None
-        advance = next(wants)
+        advance, reset = next(wants), next(resets)
+        dut.reset.value = int(reset)
         dut.advance.value = int(advance)
         dut.span_valid.value = int(offered is not None)
         ports = words(offered, column_bits) if offered else tuple(bench.bits(1) for _ in PORTS)
@@ -107,6 +109,16 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
                 drawing = list(walk_span(offered, formats))
                 offered = None
                 index += 1
+        if reset:
+            drawing = []
+    return cycles, pixels
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_cycle(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_cycle {source} {sink}")
+    cycles, pixels = await compare(bench, source, sink, repeat(False))
     if source == sink == "full_speed":
         # A pixel in every cycle but the first, in which the first span is loaded, and the last.
         bench.check("cycles at full speed", cycles, pixels + 1)
@@ -114,24 +126,9 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def reset_ends_a_span(dut: Any) -> None:
-    bench = Bench(dut, Config, "reset_ends_a_span")
-    await bench.start("span_valid", "advance", *PORTS)
-    for shown in range(1, 5):
-        # A span of four pixels, reset while one of them waits to advance.
-        dut.advance.value = 1
-        dut.span_count.value = 2
-        dut.span_valid.value = 1
-        await bench.edge()
-        dut.span_valid.value = 0
-        for _ in range(shown - 1):
-            await bench.edge()
-        dut.advance.value = 0
-        await bench.edge()
-        bench.check("pixel_valid before the reset", bool(dut.pixel_valid.value), True, shown)
-        await bench.reset()
-        await bench.edge()
-        bench.check("pixel_valid after the reset", bool(dut.pixel_valid.value), False, shown)
-        bench.check("span_wanted after the reset", bool(dut.span_wanted.value), True, shown)
-        bench.check("span_ending after the reset", bool(dut.span_ending.value), False, shown)
-    bench.finish(at_least=16)
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def resets(dut: Any, source: str, sink: str) -> None:
+    """A reset ends a span at any of its pixels."""
+    bench = Bench(dut, Config, f"resets {source} {sink}")
+    await compare(bench, source, sink, at_random(bench.draw, 10))
+    bench.finish(at_least=300)

@@ -8,10 +8,12 @@ from itertools import count, repeat
 from typing import Any
 
 import cocotb
+import numpy as np
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource, full_speed
-from cocotb_tests.support.core_run import Run, stimulus
+from cocotb_tests.support.core_run import Run, mixed_packets, stimulus
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
@@ -132,20 +134,23 @@ async def state_waits_until_idle(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
-async def reset_recovers(dut: Any) -> None:
-    """A reset amid a drawing forgets its pixels and keeps the state."""
-    bench = Bench(dut, Config, "reset_recovers")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def resets(dut: Any, sink: str) -> None:
+    """A reset at any stage of a drawing forgets its pixels and keeps the state."""
+    bench = Bench(dut, Config, f"resets {sink}")
     await bench.start(*INPUTS)
     state = random_state(bench.config, bench.rng)
     await load(bench, state)
-    run = Run(bench, stimulus(bench, 10), repeat(True), SPEEDS["throttled"](bench.draw), state)
-    while len(run.sink.words) < len(run.expected) // 2:
-        await run.cycle()
-    bench.check_all("pixel before the reset", run.sink.words, run.expected[: len(run.sink.words)])
-    dut.setup_valid.value = 0
-    await bench.reset()
-    words = stimulus(bench, 6)
-    run = Run(bench, words, repeat(True), repeat(True), state)
-    await run.finish()
-    bench.check("clocks after the reset", run.clocks, draw(words, bench.config, state).clocks)
+
+    packets = mixed_packets(bench, 14)
+
+    async def work() -> None:
+        words = np.concatenate([next(packets) for _ in range(3)])
+        run = Run(bench, words, repeat(True), SPEEDS[sink](bench.draw), state)
+        await run.finish()
+        if sink == "full_speed":
+            bench.check("clocks", run.clocks, draw(words, bench.config, state).clocks)
+
+    events = (("setup_valid", "setup_ready"), "pixel_valid")
+    await reset_amid(bench, work, events, 12, quiet=("pixel_valid",))
     bench.finish(at_least=100)

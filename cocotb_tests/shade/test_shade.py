@@ -10,7 +10,8 @@ from typing import Any
 import cocotb
 import pytest
 
-from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource, full_speed
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState, colour_state, power_curve, shade_state
@@ -193,30 +194,22 @@ async def state_waits_for_the_last_pixel(dut: Any, sink: str) -> None:
 
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
-async def reset_forgets_pixels(dut: Any) -> None:
-    """Those on their way are gone; the state stays."""
-    bench = Bench(dut, Config, "reset_forgets_pixels")
+@cocotb.parametrize(sink=list(SPEEDS))
+async def resets(dut: Any, sink: str) -> None:
+    """Pixels on their way are gone, at any stage; the state stays."""
+    bench = Bench(dut, Config, f"resets {sink}")
     await bench.start(*INPUTS, "shaded_ready")
     state = random_state(bench.config.formats, bench.rng)
     unit = Unit(bench, "full_speed", "full_speed")
     unit.load(state)
     await unit.settle()
-    for length in (1, 5, 14, 30):
-        unit = Unit(bench, "full_speed", "full_speed")
+
+    async def work() -> None:
+        unit = Unit(bench, "full_speed", sink)
         unit.latest = state
-        unit.offer(60)
-        for _ in range(length):
-            await unit.cycle()
-        dut.pixel_valid.value = 0
-        await bench.reset()
-        dut.shaded_ready.value = 1
-        for _ in range(unit.formats.shade_stages + 4):
-            await bench.edge()
-            bench.check("shaded_valid after reset", bool(dut.shaded_valid.value), False)
-            bench.check("busy after reset", bool(dut.busy.value), False)
-    unit = Unit(bench, "full_speed", "throttled")
-    unit.latest = state
-    unit.sink.go = full_speed(bench.draw)
-    unit.offer(40)
-    await unit.settle()
-    unit.finish()
+        unit.offer(24)
+        await unit.settle()
+        bench.check_all("pixel (colour, along)", unit.sink.words, unit.expected)
+
+    await reset_amid(bench, work, ("pixel_valid", "shaded_valid"), 16, quiet=("shaded_valid", "busy"))
+    bench.finish(at_least=200)

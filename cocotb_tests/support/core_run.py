@@ -117,3 +117,15 @@ def stimulus(bench: Bench, triangles: int) -> np.ndarray:
     formats = bench.config
     real = triangle_words(formats, bench.rng, triangles)
     return np.concatenate([real, malformed_words(formats, bench.rng, triangles // 2)])
+
+
+def mixed_packets(bench: Bench, triangles: int) -> Iterator[np.ndarray]:
+    """Packets of a stimulus, one at a time and at random, without end."""
+    formats = bench.config
+    words, packets = stimulus(bench, triangles), []
+    for packet in load_packets(words.tolist(), formats):
+        count = packet.beats * formats.beat_words
+        packets.append(words[:count])
+        words = words[count:]
+    while True:
+        yield bench.draw.choice(packets)
