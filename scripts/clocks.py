@@ -43,10 +43,10 @@ HEAD = """\
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 # Clock crossings
 
-Written by `make clocks`, which fails where a crossing is in no row of `synth/crossings.toml` or is not of the
-kind that the row says, and where a row has no crossing any more. A synchroniser is two registers in a row without enable
-or logic between them, and nothing looks at the first one but the second. A held value is chosen by the
-sink's own clock alone. [What it means](../explanation/clocks.md).
+Written by `make clocks`, which fails where a crossing is in no row of `synth/crossings.toml` or is not of
+the kind that the row says, and where a row has no crossing any more. A synchroniser is two registers in a
+row without enable or logic between them, and nothing looks at the first one but the second. A held value is
+chosen by the sink's own clock alone. [What it means](../explanation/clocks.md).
 
 """
 
