@@ -54,8 +54,9 @@ test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed
 
 .PHONY: test-netlist
 test-netlist: export QUADSHADE_SIM := icarus
-test-netlist: setup ## run the cocotb tests on GHDL's netlist, some mapped to iCE40 and ECP5 (slow)
+test-netlist: setup ## run the cocotb tests on GHDL's netlist, some with unknown registers or mapped (slow)
 	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
+	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 

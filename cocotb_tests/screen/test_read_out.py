@@ -69,7 +69,8 @@ class Reader:
         dut.read_value.value = self.memory.read_data or 0
         await self.bench.edge()
         self.sink.sample(self.bench.cycle)
-        address = int(dut.read_address.value)
+        # The memory is read before the first area too.
+        address = self.bench.unqualified(dut.read_address)
         self.bench.check("address on the screen", address < len(self.words), True)
         self.memory.clock(None, address if dut.read_enable.value else None)
 

@@ -19,9 +19,12 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.support.simulation import identifier
+from cocotb_tests.support.simulation import NETLIST, identifier
 
 PERIOD_NS = 10
+UNKNOWN = NETLIST == "unknown"
+UNKNOWN_CYCLES = 64
+"""Of reset after a power-up that sets no register, for what no reset sets; a board's are 255."""
 MAX_SHOWN = 600
 """Characters of a value in a failure's text."""
 
@@ -91,7 +94,8 @@ class Bench:
         Clock(self.dut.clk, PERIOD_NS, "ns").start(start_high=False)
         self._edge = RisingEdge(self.dut.clk)
         if reset:
-            await self.reset()
+            for _ in range(UNKNOWN_CYCLES if UNKNOWN else 1):
+                await self.reset()
         else:
             await self.edge()
 
@@ -120,6 +124,11 @@ class Bench:
         self.dut.reset.value = 1
         await self.edge()
         self.dut.reset.value = 0
+
+    def unqualified(self, signal: Any) -> int:
+        """A value that nothing says is valid: any one, if no register was set at power-up."""
+        value = signal.value
+        return int(value) if value.is_resolvable or not UNKNOWN else 0
 
     def bits(self, width: int) -> int:
         """A random word; corners (zero, ones, the sign bit) more often than chance would have it."""

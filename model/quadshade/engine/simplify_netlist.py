@@ -21,7 +21,7 @@ _CHOOSER = re.compile(r"always @\*\n    case \(.*?\n    endcase\n", re.DOTALL)
 _ROW = re.compile(r"assign (\w+) = \{([\w, \n]+)\};")
 
 
-def _fold_followers(module: str) -> str:
+def fold_followers(module: str) -> str:
     """A signal that always has a register's value becomes a wire."""
     names = {match[1] for match in _FOLLOWER.finditer(module)}
     module = _FOLLOWER.sub(r"assign \1 = \2; // (signal)\n", module)
@@ -89,4 +89,4 @@ def fold(verilog: str) -> str:
     str
     """
     modules = re.split(r"^(?=module )", verilog, flags=re.MULTILINE)
-    return "".join(_fold_rows(_fold_choosers(_fold_enables(_fold_followers(module)))) for module in modules)
+    return "".join(_fold_rows(_fold_choosers(_fold_enables(fold_followers(module)))) for module in modules)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Netlists to simulate: GHDL's own, or the cells of a device family with Yosys' models of them."""
+"""Netlists to simulate: GHDL's, as it is or with unknown registers, or cells of a family with their models."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import write_netlist
 from quadshade.engine.sources import repository_root
 from quadshade.engine.tool_runner import package_version
+from quadshade.engine.unknown_registers import without_initial_values
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.cells import with_cells
@@ -24,7 +25,10 @@ GENERIC = "ghdl"
 FAMILIES = {"ice40": "ice40-hx8k", "ecp5": "ecp5-25k-6"}
 """Device that a family's cells are mapped for."""
 
-KINDS = (GENERIC, *FAMILIES)
+UNKNOWN = "unknown"
+"""GHDL's, with every register unknown at power-up."""
+
+KINDS = (GENERIC, UNKNOWN, *FAMILIES)
 
 
 def cell_models(family: str) -> str:
@@ -127,6 +131,13 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
     netlist = write_netlist(generics, unit, root=root)
     if kind == GENERIC:
         return [netlist]
+    if kind == UNKNOWN:
+        stripped = without_initial_values(netlist.read_text())
+
+        def write(folder: Path) -> None:
+            (folder / f"{unit}.v").write_text(stripped)
+
+        return [build_once(root / "build" / "unknown", build_key(stripped), write) / f"{unit}.v"]
     device = find_device(FAMILIES[kind])
     verilog = with_cells(netlist.read_text(), kind, root)
     commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit)]

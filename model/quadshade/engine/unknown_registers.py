@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+A netlist whose registers hold nothing known at power-up, so that a simulation shows what only reset defines.
+
+GHDL writes a register's initial value as an ``initial`` statement, and a signal that has one as a register of its
+own, which follows another. Constant tables keep their values: they are no state.
+"""
+
+from __future__ import annotations
+
+import re
+
+from quadshade.engine.simplify_netlist import fold_followers
+from quadshade.errors import QuadshadeError
+
+PROMISED = {
+    "scan_out": {"pixel_clocks": "divides the clock through a reset; every value leads into its turn"},
+}
+"""Registers by entity and VHDL name whose value at power-up counts, each with why no reset sets it."""
+
+_VALUE = re.compile(r"^  initial\n    (\w+) <= [^;]*;\n", re.MULTILINE)
+_TABLE = re.compile(r"^  initial begin\n(    \w+\[\d+\] = \d+'b[01]+;\n)+    end\n", re.MULTILINE)
+
+
+def _strip(module: str) -> str:
+    """One module without its registers' values; GHDL calls it by its entity, and its generics or their hash."""
+    name = re.match(r"module (\w+?)(?:_[0-9a-f]+)*\n", module)
+    promised = PROMISED.get(name[1], {}) if name else {}
+    # A signal within a generate statement has its label in front.
+    signals = "|".join(promised) or "(?!)"
+    kept = set(re.findall(rf"^    (?:\w+_)?(?:{signals}) = (\w+); // \(isignal\)$", module, re.MULTILINE))
+    return _VALUE.sub(lambda value: value[0] if value[1] in kept else "", fold_followers(module))
+
+
+def without_initial_values(verilog: str) -> str:
+    """
+    The same circuit after a power-up that sets no register but those of ``PROMISED``.
+
+    Parameters
+    ----------
+    verilog : str
+      A netlist by GHDL.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    QuadshadeError
+      It sets something that is neither a register nor a constant table.
+    """
+    modules = re.split(r"^(?=module )", verilog, flags=re.MULTILINE)
+    stripped = "".join(map(_strip, modules))
+    plain = _VALUE.sub("", _TABLE.sub("", stripped))
+    if left := re.search(r"^ *initial\b.*\n.*", plain, re.MULTILINE):
+        raise QuadshadeError(
+            f"the netlist has an initial statement of an unknown kind: {' '.join(left[0].split())}",
+            "is this a netlist by GHDL 2.0?",
+        )
+    return stripped
