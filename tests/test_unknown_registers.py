@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Power-up with unknown registers: what the netlist's transform takes away, and units that reset alone defines."""
+"""Power-up with unknown registers: what is taken from a netlist, and units that reset alone defines."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 """
 A netlist whose registers hold nothing known at power-up, so that a simulation shows what only reset defines.
 
-GHDL writes a register's initial value as an ``initial`` statement, and a signal that has one as a register of its
-own, which follows another. Constant tables keep their values: they are no state.
+GHDL writes a register's initial value as an ``initial`` statement, and a signal that has one as a register of
+its own, which follows another. Constant tables keep their values: they are no state.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _TABLE = re.compile(r"^  initial begin\n(    \w+\[\d+\] = \d+'b[01]+;\n)+    end
 
 
 def _strip(module: str) -> str:
-    """One module without its registers' values; GHDL calls it by its entity, and its generics or their hash."""
+    """One module without its registers' values; GHDL's name is entity and generics, or their hash."""
     name = re.match(r"module (\w+?)(?:_[0-9a-f]+)*\n", module)
     promised = PROMISED.get(name[1], {}) if name else {}
     # A signal within a generate statement has its label in front.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Netlists to simulate: GHDL's, as it is or with unknown registers, or cells of a family with their models."""
+"""Netlists to simulate: GHDL's, as it is or with unknown registers, or a family's cells with models."""
 
 from __future__ import annotations
 
