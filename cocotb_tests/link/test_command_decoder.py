@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import repeat
 from typing import Any
@@ -13,11 +11,13 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
-from cocotb_tests.support.command_recorder import CommandRecorder
+from cocotb_tests.support.link_board import CLOCKS, Board, Effects, told
+from cocotb_tests.support.link_limits import limits
 from cocotb_tests.support.link_stimuli import body_of, good_payload, random_body
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import (
+    BOARD_FIELDS,
     COUNTERS,
     MAGIC,
     VERSION,
@@ -27,10 +27,10 @@ from quadshade.contract.protocol import (
     unpack_payload,
 )
 from quadshade.golden.link.command_decoder import CommandDecoder
-from quadshade.link.frames import Frame, FrameParser, enclosed
+from quadshade.golden.link.frame_receiver import Reach
+from quadshade.link.frames import FrameParser, enclosed
 
 SEQUENCED = [opcode for opcode in Opcode if opcode.is_sequenced]
-CLOCKS = ("clocks_busy", "clocks_idle")
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,18 @@ class Config:
     screen_height: int = 240
     colour_bytes: int = 3
     depth_bytes: int = 2
+    most_counter_bits: int = 32
+
+    @property
+    def rounds(self) -> int:
+        """Of the longest test."""
+        return 100
 
     def identity(self) -> dict[str, int]:
         """What HELLO must say."""
         fixed = {"magic": MAGIC, "definition": definition_hash(), "version": VERSION}
-        return {**fixed, "num_counters": len(COUNTERS), **vars(self), **Formats().generics()}
+        board = {name: getattr(self, name) for name, _, _ in BOARD_FIELDS}
+        return {**fixed, "num_counters": len(COUNTERS), **board, **Formats().generics()}
 
 
 @pytest.mark.parametrize("config", [Config()], ids=identifier)
@@ -57,136 +64,9 @@ def test_command_decoder(config: Config) -> None:
     simulate("command_decoder", config)
 
 
-def pattern(**fields: int) -> bytes:
-    """What a READ finds: any bytes that follow from its fields."""
-    seed = repr(sorted(fields.items())).encode()
-    return bytes(zlib.crc32(seed + bytes([index % 256])) & 0xFF for index in range(fields["count"]))
-
-
-class Effects(CommandRecorder):
-    """A board whose pixels and CRCs tell one command from another."""
-
-    def read(self, **fields: int) -> bytes:
-        super().read(**fields)
-        return pattern(**fields)
-
-    def frame_crc(self, plane: int) -> int:
-        super().frame_crc(plane)
-        return zlib.crc32(bytes([plane, len(self.done) % 256]))
-
-
-class Board:
-    """The unit with all that is attached to it, cycle by cycle."""
-
-    def __init__(self, bench: Bench, speed: str = "full_speed") -> None:
-        self.bench, self.dut, draw = bench, bench.dut, bench.draw
-        self.effects, self.parser, self.answers = Effects(), FrameParser(), []
-        self.go = {
-            name: SPEEDS[speed](draw) for name in ("setup", "state", "clear", "read", "frame_crc", "data")
-        }
-        self.send_go: Iterator[bool] = SPEEDS[speed](draw)
-        self.busy, self.reading, self.crc = 0, b"", None
-        self.quiet = 0
-
-    async def start(self) -> None:
-        """Reset, with everything ready."""
-        inputs = (
-            "line_valid",
-            "line_data",
-            "line_error",
-            "break_seen",
-            "send_ready",
-            "send_busy",
-            "core_idle",
-        )
-        more = ("pixel_done", "primitive_done", "setup_ready", "state_ready", "clear_ready", "read_ready")
-        last = ("read_data_valid", "read_data", "frame_crc_ready", "frame_crc_done", "frame_crc_value")
-        await self.bench.start(*inputs, *more, *last)
-
-    async def step(self, byte: int | None = None, error: bool = False) -> None:
-        """One cycle, with a byte from the line or none."""
-        dut = self.dut
-        dut.line_valid.value, dut.line_error.value = int(byte is not None), int(error)
-        if byte is not None:
-            dut.line_data.value = byte
-        ready = {name: next(go) for name, go in self.go.items()}
-        for name in ("setup", "state", "clear", "read", "frame_crc"):
-            getattr(dut, f"{name}_ready").value = int(ready[name])
-        dut.core_idle.value = int(self.busy == 0)
-        sends = next(self.send_go)
-        dut.send_ready.value = int(sends)
-        offers = bool(self.reading) and ready["data"]
-        dut.read_data_valid.value = int(offers)
-        dut.read_data.value = self.reading[0] if offers else 0
-        dut.frame_crc_done.value = int(self.crc is not None)
-        dut.frame_crc_value.value = self.crc or 0
-        self.crc = None
-        await self.bench.edge()
-        self.busy = max(0, self.busy - 1)
-        self.quiet += 1
-        if dut.core_reset.value:
-            self.effects.reset()
-            self.reading = b""
-        if offers and dut.read_data_ready.value:
-            self.reading = self.reading[1:]
-        if dut.send_valid.value and sends:
-            self.answers += self.parser.feed(bytes([int(dut.send_data.value)]))
-            self.quiet = 0
-        self.requests(ready)
-
-    def requests(self, ready: dict[str, bool]) -> None:
-        """What the unit asks for in this cycle."""
-        dut, effects = self.dut, self.effects
-        if dut.setup_valid.value and ready["setup"]:
-            effects.triangles([int(dut.setup_data.value)])
-            self.busy = self.bench.draw.randrange(1, 12)
-        elif dut.state_valid.value and ready["state"]:
-            effects.state(int(dut.state_address.value), int(dut.state_data.value))
-        elif dut.clear_valid.value and ready["clear"]:
-            effects.clear(int(dut.clear_colour.value))
-            self.busy = 20
-        elif dut.read_valid.value and ready["read"]:
-            names = ("x", "y", "width", "count", "pixels", "plane")
-            self.reading = effects.read(**{name: int(getattr(dut, f"read_{name}").value) for name in names})
-        elif dut.frame_crc_valid.value and ready["frame_crc"]:
-            self.crc = effects.frame_crc(int(dut.frame_crc_plane.value))
-        else:
-            return
-        self.quiet = 0
-
-    async def send(self, line: bytes, gaps: Iterator[bool] | None = None) -> None:
-        """Bytes of the line."""
-        for byte in line:
-            for go in gaps or repeat(True):
-                await self.step(byte if go else None)
-                if go:
-                    break
-
-    async def settle(self) -> list[Frame]:
-        """Wait until nothing happens any more; the answers since the last time."""
-        self.quiet = 0
-        while self.quiet < 90:
-            await self.step()
-        answers, self.answers = self.answers, []
-        return answers
-
-
-def told(answers: list[Frame]) -> list[tuple]:
-    """Answers without what depends on time: room, clocks, and ACKs that say nothing new."""
-    found: list[tuple] = []
-    for frame in answers:
-        fields, data = unpack_payload(frame.opcode, frame.payload)
-        for name in ("free", *CLOCKS):
-            fields.pop(name, None)
-        entry = (frame.opcode.name, frame.sequence, tuple(fields.items()), data)
-        if frame.opcode is not Opcode.ACK or not found or found[-1] != entry:
-            found.append(entry)
-    return found
-
-
 def model_of(bench: Bench) -> CommandDecoder:
     """The model, with effects of its own."""
-    return CommandDecoder(bench.config.identity(), Effects())
+    return CommandDecoder(bench.config.identity(), Effects(), bench.config.most_counter_bits)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
@@ -254,6 +134,104 @@ async def stream_with_gaps_in_credit(dut: Any, speed: str) -> None:
     bench.finish(at_least=2)
 
 
+def clocks_within(fields: dict[str, int], board: Board, before: dict[str, int], most: int) -> bool:
+    """Whether the clocks of a STATUS lie between what the core said before the answer was sent, and after."""
+    spans = {name: board.clocks[name] - before[name] for name in CLOCKS}
+    return all((fields.pop(name) - before[name]) % most <= spans[name] for name in CLOCKS)
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def overlaps(dut: Any, speed: str) -> None:
+    """
+    Frames come, several at once, while a command waits for the core and while an answer is sent: every field
+    of every answer, each effect, each light.
+    """
+    bench = Bench(dut, Config, f"overlaps {speed}")
+    board, model, parser = Board(bench, speed, (0, 0, 3, 12)), model_of(bench), FrameParser()
+    await board.start()
+    draw, opcodes = bench.draw, [opcode for opcode in Opcode if not opcode.is_answer]
+    likely = [*SEQUENCED, *SEQUENCED, *opcodes]
+    board.door = board.stalled = model.holding = model.stalled = True
+    seen = set()
+    for index in range(bench.config.rounds):
+        board.idle = bench.chance(0.5)
+        for _ in range(draw.randint(0, 3)):
+            body = random_body(draw, model.receiver, likely)
+            if body[0] == Opcode.RESET and bench.chance(0.4):
+                body = body_of(Opcode.STATUS, index, b"")
+            model.feed(enclosed(body))
+            await board.send(enclosed(body))
+            # A character of the line takes far longer.
+            await board.wait(8)
+        if bench.chance(0.1):
+            await board.wait(60)
+            dut.break_seen.value = 1
+            await board.step()
+            dut.break_seen.value = 0
+            model.line_break()
+        await board.wait(60)
+        if bench.chance(0.5):
+            # The core and all behind it take what there is.
+            board.stalled, board.idle, model.stalled = False, None, False
+            model.run()
+            await board.quiet_for(50)
+            board.stalled = model.stalled = True
+            board.idle = bench.chance(0.5)
+            await board.wait(10)
+        done = model.drawing.done
+        bench.check("effects", board.effects.done, done[: len(board.effects.done)], index)
+        bench.check("rate", board.rate, model.phase_step, index)
+        bench.check("an answer waits", board.at_door, model.sending, index)
+        while model.sending and bench.chance(0.8):
+            before = dict(board.clocks)
+            (expected,) = parser.feed(model.finish_answer())
+            await board.let_one_out()
+            bench.check("answers", len(board.answers), 1, index, expected)
+            for got in board.answers[:1]:
+                fields, data = unpack_payload(got.opcode, got.payload)
+                wanted, wanted_data = unpack_payload(expected.opcode, expected.payload)
+                if got.opcode is Opcode.STATUS_ANSWER:
+                    most = 1 << bench.config.most_counter_bits
+                    bench.check("clocks", clocks_within(fields, board, before, most), True, index, fields)
+                    wanted = {name: value for name, value in wanted.items() if name not in CLOCKS}
+                answer = (got.opcode, got.sequence, fields, data)
+                bench.check(
+                    "answer", answer, (expected.opcode, expected.sequence, wanted, wanted_data), index
+                )
+                seen.add(got.opcode)
+            board.answers = []
+            await board.wait(60)
+            model.run()
+            bench.check("rate", board.rate, model.phase_step, index)
+    bench.check("the rate changed when nothing was sent", all(quiet for _, quiet in board.rates), True)
+    bench.check("all kinds of answers", seen, {opcode for opcode in Opcode if opcode.is_answer})
+    bench.finish(at_least=200)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def every_limit(dut: Any) -> None:
+    bench = Bench(dut, Config, "every_limit")
+    board, model, parser, reasons = Board(bench), model_of(bench), FrameParser(), set()
+    await board.start()
+    for index, case in enumerate(limits(Reach(), far=False)):
+        line = enclosed(case.body(model.receiver.expected))
+        expected = parser.feed(model.feed(line))
+        await board.send(line)
+        end = bench.cycle + (6000 if expected else 12)
+        while bench.cycle < end and (not expected or len(board.answers) < len(expected)):
+            await board.step()
+        bench.check("answers", told(board.answers), told(expected), index, case)
+        reasons |= {frame.payload[1] for frame in board.answers}
+        board.answers = []
+    await board.settle()
+    bench.check("answers left over", board.answers, [])
+    bench.check("effects", board.effects.done, model.drawing.done)
+    # It always has room for one frame.
+    bench.check("reasons of every kind", reasons, set(Reason) - {Reason.NO_ROOM})
+    bench.finish(at_least=200)
+
+
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def no_room(dut: Any) -> None:
     bench = Bench(dut, Config, "no_room")
@@ -308,7 +286,7 @@ async def baud(dut: Any) -> None:
     default = bench.config.default_phase_step
     bench.check("phase_step after reset", int(dut.phase_step.value), default)
     step = bench.draw.randrange(1, 1 << 22)
-    dut.send_busy.value = 1
+    board.line_busy = True
     await board.send(enclosed(body_of(Opcode.BAUD, 9, step.to_bytes(4, "little"))))
     answers = await board.settle()
     bench.check("answer", [frame.opcode for frame in answers], [Opcode.BAUD_ANSWER])
@@ -316,7 +294,7 @@ async def baud(dut: Any) -> None:
     # Another request waits until the rate has changed.
     await board.send(enclosed(body_of(Opcode.STATUS, 10, b"")))
     bench.check("answers at the old rate", await board.settle(), [])
-    dut.send_busy.value = 0
+    board.line_busy = False
     answers = await board.settle()
     bench.check("phase_step after the answer", int(dut.phase_step.value), step)
     bench.check("answer", [frame.opcode for frame in answers], [Opcode.STATUS_ANSWER])

@@ -14,7 +14,7 @@ from cocotb_tests.support.command_recorder import READ_FIELDS, CommandRecorder
 from cocotb_tests.support.link_stimuli import good_payload
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import Opcode
-from quadshade.golden.link.command_executor import execute
+from quadshade.golden.link.command_executor import begin, execute
 from quadshade.golden.link.frame_fifo import FrameFifo
 
 COMMANDS = [opcode for opcode in Opcode if opcode.is_sequenced]
@@ -55,7 +55,7 @@ async def commands(dut: Any, source: str, sink: str) -> None:
         fifo.write(word)
     fifo.commit()
     while fifo.committed:
-        execute(fifo, recorder)
+        execute(begin(fifo), fifo, recorder)
     going = StreamSource(
         dut.fifo_valid, dut.fifo_ready, [dut.fifo_data], [(word,) for word in words], SPEEDS[source](draw)
     )

@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.link_limits import limits, limits_of_fields
 from cocotb_tests.support.link_stimuli import body_of, good_payload, random_body
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.protocol import CRC_BYTES, Opcode
-from quadshade.golden.link.frame_receiver import FrameReceiver, Verdict
+from quadshade.contract.protocol import CRC_BYTES, EDGE_BYTES, Opcode, Reason
+from quadshade.golden.link.frame_receiver import FrameReceiver, Reach, Verdict
 
 COUNTS = {
     "frames": "count_frame",
@@ -27,12 +30,42 @@ COUNTS = {
 }
 
 
+EFFECTS = ("commit", "ack", "nak", "request")
+INPUTS = ("byte_valid", "byte_data", "frame_end", "frame_good", "overflow")
+
+
 @dataclass(frozen=True)
 class Config:
-    """``frame_receiver`` has no generics."""
+    """Generics of ``frame_receiver``."""
+
+    screen_width: int = 320
+    screen_height: int = 240
+    colour_bytes: int = 3
+    depth_bytes: int = 2
+    with_edge_map: int = 0
+    crc_cycles: int = 1
+
+    @property
+    def reach(self) -> Reach:
+        """What READ and FRAME_CRC may name."""
+        edges = EDGE_BYTES * self.with_edge_map
+        planes = (self.colour_bytes, self.depth_bytes, edges, edges)
+        return Reach(self.screen_width, self.screen_height, planes)
+
+    @property
+    def pause(self) -> int:
+        """Cycles between two bytes."""
+        return self.crc_cycles if self.crc_cycles > 1 else 0
 
 
-@pytest.mark.parametrize("config", [Config()], ids=identifier)
+CONFIGS = [
+    Config(),
+    Config(screen_width=64, screen_height=31, colour_bytes=1, depth_bytes=0, with_edge_map=1, crc_cycles=4),
+    Config(screen_width=9, screen_height=6, colour_bytes=4),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
 def test_frame_receiver(config: Config) -> None:
     simulate("frame_receiver", config)
 
@@ -50,46 +83,58 @@ def verdict(dut: Any) -> Verdict:
     )
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS))
-async def frames(dut: Any, source: str) -> None:
-    bench = Bench(dut, Config, f"frames {source}")
-    await bench.start("byte_valid", "byte_data", "frame_end", "frame_good", "overflow")
-    model, go, seen = FrameReceiver(), SPEEDS[source](bench.draw), set()
-    opcodes = [opcode for opcode in Opcode if not opcode.is_answer]
-    bodies = [b""] * 160
-    for index in range(len(bodies)):
-        if index == 60:
-            await bench.reset()
-            model = FrameReceiver()
-        body = random_body(bench.draw, model, opcodes)
-        if index < 3:
-            # The longest one, the shortest, and one of no byte.
-            body = [body_of(Opcode.TRIANGLES, index, bytes(1016)), b"", body_of(Opcode.HELLO, 7, b"")][index]
-        whole, overflow = bench.chance(0.95), bench.chance(0.2)
+class Line:
+    """
+    The unit behind a deframer: a frame and its verdict at a time.
+
+    Parameters
+    ----------
+    bench : Bench
+    speed : str
+      With which bytes come; a byte takes as many cycles as the CRC needs.
+    """
+
+    def __init__(self, bench: Bench, speed: str) -> None:
+        self.bench, self.dut = bench, bench.dut
+        self.model = FrameReceiver(bench.config.reach)
+        self.go, self.pause = SPEEDS[speed](bench.draw), bench.config.pause
+        self.seen: set[tuple[str, int]] = set()
+        self.watched = [getattr(self.dut, name) for name in EFFECTS]
+
+    async def edge(self, index: int) -> None:
+        """A cycle without a verdict."""
+        await self.bench.edge()
+        said = [int(port.value) for port in self.watched]
+        self.bench.check("no verdict within a frame", any(said), False, index)
+
+    async def frame(self, index: int, body: bytes, whole: bool = True, overflow: bool = False) -> None:
+        """Send a frame; compare words, verdict and fields."""
+        bench, dut = self.bench, self.dut
         dut.overflow.value = int(overflow)
         written, waiting = [], list(body)
         while waiting:
-            valid = next(go)
+            valid = next(self.go)
             dut.byte_valid.value, dut.byte_data.value = int(valid), waiting[0]
-            await bench.edge()
+            await self.edge(index)
             if dut.write_valid.value:
                 written.append(int(dut.write_data.value))
-            bench.check("no verdict within a frame", verdict(dut), Verdict(), index)
             if valid:
                 del waiting[0]
+                dut.byte_valid.value = 0
+                for _ in range(self.pause):
+                    await self.edge(index)
         dut.byte_valid.value = 0
         dut.frame_end.value, dut.frame_good.value = 1, int(whole)
-        await bench.edge()
+        await self.edge(index)
         dut.frame_end.value = dut.frame_good.value = 0
-        expected = model.judge(body, whole, overflow)
-        await bench.edge()
+        expected = self.model.judge(body, whole, overflow)
+        await self.edge(index)
         await bench.edge()
         got = verdict(dut)
         inputs = {"body": body.hex(), "whole": whole, "overflow": overflow}
         bench.check("verdict", got, expected, index, inputs)
         bench.check("discard", bool(dut.discard.value), not expected.commit, index, inputs)
-        bench.check("expected number", int(dut.expected.value), model.expected, index, inputs)
+        bench.check("expected number", int(dut.expected.value), self.model.expected, index, inputs)
         if expected.commit:
             content = [
                 int.from_bytes(body[at : at + 4], "little") for at in range(0, len(body) - CRC_BYTES, 4)
@@ -99,19 +144,108 @@ async def frames(dut: Any, source: str) -> None:
             fields = (int(dut.opcode.value), int(dut.number.value))
             bench.check("opcode and number", fields, (body[0], body[1]), index, inputs)
         if expected.request and len(body) > 8:
-            bench.check(
-                "argument", int(dut.argument.value), int.from_bytes(body[4:8], "little"), index, inputs
-            )
-        seen.add((expected.counter, int(expected.reason)))
-    bench.check("verdicts of every kind", {name for name, _ in seen} - {""}, set(COUNTS))
-    bench.check("reasons of every kind", {reason for _, reason in seen}, set(range(6)))
+            argument = int.from_bytes(body[4:8], "little")
+            bench.check("argument", int(dut.argument.value), argument, index, inputs)
+        self.seen.add((expected.counter, int(expected.reason)))
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS))
+async def frames(dut: Any, source: str) -> None:
+    bench = Bench(dut, Config, f"frames {source}")
+    await bench.start(*INPUTS)
+    line = Line(bench, source)
+    opcodes = [opcode for opcode in Opcode if not opcode.is_answer]
+    first = [body_of(Opcode.TRIANGLES, 0, bytes(1016)), b"", body_of(Opcode.HELLO, 7, b"")]
+    for index in range(160 if bench.default else 60):
+        # The longest one, one of no byte, and the shortest, before the others.
+        body = random_body(bench.draw, line.model, opcodes, bench.config.reach)
+        body = first[index] if index < len(first) else body
+        await line.frame(index, body, bench.chance(0.95), bench.chance(0.2))
+    if bench.default:
+        bench.check("verdicts of every kind", {name for name, _ in line.seen} - {""}, set(COUNTS))
+        bench.check("reasons of every kind", {reason for _, reason in line.seen}, set(Reason))
     bench.finish(at_least=1000)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def every_limit(dut: Any) -> None:
+    bench = Bench(dut, Config, "every_limit")
+    await bench.start(*INPUTS)
+    line = Line(bench, "full_speed")
+    # What does not follow from the generics is sent to one of them.
+    some = limits if bench.default else limits_of_fields
+    for index, case in enumerate(some(bench.config.reach)):
+        # There is no room for the first one that is next in order.
+        overflow = case.name == "number" and Reason.NO_ROOM not in {reason for _, reason in line.seen}
+        await line.frame(index, case.body(line.model.expected), True, overflow)
+    wanted = set(Reason) if bench.default else {Reason.NONE, Reason.BAD_FIELD}
+    bench.check("reasons of every kind", {reason for _, reason in line.seen}, wanted)
+    bench.finish(at_least=5000)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS))
+async def resets(dut: Any, source: str) -> None:
+    bench = Bench(dut, Config, f"resets {source}")
+    await bench.start(*INPUTS)
+
+    sent = cycle(((0, 2), (0, 1), (1, 0), (2, 0), (5, 6)))
+
+    async def work() -> None:
+        line = Line(bench, source)
+        payload = bench.draw.randbytes(4)
+        # A number that is ahead is refused unless it follows the last one that was judged: after reset 255.
+        numbers = next(sent)
+        bodies = [body_of(Opcode.TRIANGLES, number, payload) for number in numbers]
+        bodies.insert(bench.draw.randrange(3), body_of(Opcode.HELLO, 3, b""))
+        for index, body in enumerate(bodies):
+            await line.frame(index, body)
+
+    events = ("byte_valid", "frame_end", "ack", "nak", "request", "commit", "write_valid")
+    await reset_amid(bench, work, events, 60 if bench.default else 16, quiet=EFFECTS)
+    bench.finish(at_least=1000)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def reset_in_the_cycle_of_a_verdict(dut: Any) -> None:
+    """A frame whose verdict falls into a reset has no effect and no answer, whatever it is."""
+    bench = Bench(dut, Config, "reset_in_the_cycle_of_a_verdict")
+    await bench.start(*INPUTS)
+    bodies = [
+        body_of(Opcode.TRIANGLES, 0, bytes(4)),
+        body_of(Opcode.TRIANGLES, 9, bytes(4)),
+        body_of(Opcode.TRIANGLES, 255, bytes(4)),
+        body_of(Opcode.STATUS, 0, b""),
+        body_of(0x77, 0, b""),
+    ]
+    for index, body in enumerate(3 * bodies):
+        line, late = Line(bench, "full_speed"), index // len(bodies)
+        for byte in body:
+            dut.byte_valid.value, dut.byte_data.value = 1, byte
+            await bench.edge()
+            dut.byte_valid.value = 0
+            for _ in range(line.pause):
+                await bench.edge()
+        # The reset comes with the frame's end, with the verdict, or with what it says.
+        dut.frame_end.value, dut.frame_good.value, dut.reset.value = 1, 1, int(late == 0)
+        for after in (1, 2, 3):
+            await bench.edge()
+            dut.frame_end.value, dut.frame_good.value, dut.reset.value = 0, 0, int(after == late)
+            if after > late + 1:
+                ports = [int(port.value) for port in line.watched]
+                bench.check("commit, ack, nak, request", ports, [0, 0, 0, 0], index)
+        await bench.edge()
+        bench.check("expected number", int(dut.expected.value), 0, index)
+        await line.frame(index, bodies[0])
+        await bench.reset()
+    bench.finish(at_least=60)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def back_to_back(dut: Any) -> None:
     bench = Bench(dut, Config, "back_to_back")
-    await bench.start("byte_valid", "byte_data", "frame_end", "frame_good", "overflow")
+    await bench.start(*INPUTS)
     payloads = [good_payload(bench.draw, Opcode.TRIANGLES) for _ in range(40)]
     commits, accepted = 0, []
     for index, payload in enumerate(payloads):
@@ -123,6 +257,10 @@ async def back_to_back(dut: Any) -> None:
             commits += int(dut.commit.value)
             if dut.write_valid.value:
                 written.append(int(dut.write_data.value))
+            dut.byte_valid.value = 0
+            for _ in range(bench.config.pause):
+                await bench.edge()
+                commits += int(dut.commit.value)
         accepted.append(written)
         dut.byte_valid.value, dut.frame_end.value, dut.frame_good.value = 0, 1, 1
         await bench.edge()

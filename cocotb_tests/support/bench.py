@@ -99,6 +99,11 @@ class Bench:
         else:
             await self.edge()
 
+    @property
+    def default(self) -> bool:
+        """Whether this is the configuration without changes, which is tested at greatest length."""
+        return bool(self.config == type(self.config)())
+
     def rest(self) -> None:
         """Set the inputs that :meth:`start` was given to zero."""
         for name in self.inputs:

@@ -64,8 +64,8 @@ class _Watch:
 
 class _Cut:
     """
-    Resets the unit in one cycle: with the ``count``-th event (None: in the cycle of that number), or ``delay``
-    cycles later.
+    Resets the unit in one cycle: with the ``count``-th event (None: in the cycle of that number), or
+    ``delay`` cycles later.
     """
 
     def __init__(self, bench: Bench, event: Event | None, count: int, delay: int = 0) -> None:
@@ -105,9 +105,9 @@ async def reset_amid(
       After ``start``, which was given the unit's inputs: they stay as they are in the cycles of the reset,
       and are zero after it. The reset comes in the cycle of an event, soon after one, or in any cycle.
     work : coroutine function
-      Makes new drivers, monitors and models, sends, and compares; time passes in ``bench.edge`` alone, and no
-      task is left behind where that raises. What a reset keeps is the function's to know. Short work meets
-      more stages in the same time.
+      Finds the unit as a reset has left it, makes new drivers, monitors and models, sends, and compares;
+      time passes in ``bench.edge`` alone, and no task is left behind where that raises. What a reset keeps
+      is the function's to know. Short work meets more stages in the same time.
     events : sequence of Event
       Each must come in the first work.
     rounds : int
@@ -123,6 +123,8 @@ async def reset_amid(
     cycles = bench.cycle - begin
     for event, count in watch.counts.items():
         bench.check(f"{event} came", count > 0, True)
+    await bench.reset()
+    bench.rest()
     kinds: list[Event | None] = [None, *events]
     for index in range(max(rounds, len(kinds))):
         event = kinds[index % len(kinds)]
@@ -147,4 +149,6 @@ async def reset_amid(
                 bench.check(f"{name} after reset", int(getattr(bench.dut, name).value), 0, index, event)
         if bench.chance(0.8):
             await work()
+            await bench.reset()
+            bench.rest()
     await work()

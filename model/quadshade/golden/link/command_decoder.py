@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from quadshade.contract.protocol import (
     ANSWER_BIT,
@@ -23,9 +24,9 @@ from quadshade.contract.protocol import (
 from quadshade.golden.link.answer_sender import answer_bytes
 from quadshade.golden.link.cobs_decoder import CobsDecoder
 from quadshade.golden.link.cobs_encoder import encode_line
-from quadshade.golden.link.command_executor import Drawing, execute
+from quadshade.golden.link.command_executor import Command, Drawing, begin, execute
 from quadshade.golden.link.frame_fifo import FrameFifo
-from quadshade.golden.link.frame_receiver import FrameReceiver, Reach, Verdict
+from quadshade.golden.link.frame_receiver import FrameReceiver, Reach
 
 
 def words_of(data: bytes) -> list[int]:
@@ -39,11 +40,22 @@ def identity_words(identity: Mapping[str, int]) -> list[int]:
     return words_of(data)
 
 
+class Answer(NamedTuple):
+    """An answer that is begun, with a result's bytes; other words are those of when it is sent."""
+
+    opcode: int
+    number: int
+    reason: Reason = Reason.NONE
+    data: bytes = b""
+
+
 class CommandDecoder:
     """
     Bytes of the line to commands and answers.
 
-    The hardware sends one ACK for several frames where it is busy sending; here each has its own.
+    Answers are sent at once, unless ``holding`` is set: then one is begun, and the others wait as in the
+    hardware, where of several that were asked at once (HELLO, STATUS, RESET, BAUD), of several NAKs, and of
+    several ACKs only the last one is sent.
 
     Parameters
     ----------
@@ -57,9 +69,11 @@ class CommandDecoder:
     Attributes
     ----------
     stalled : bool
-      While it is set, accepted commands wait in the FIFO.
+      While it is set, the oldest command waits for the core, and the others in the FIFO.
+    holding : bool
+      While it is set, an answer that is begun is sent by :meth:`finish_answer` alone.
     phase_step : int
-      The rate, after BAUD.
+      The rate: BAUD's after its answer, the default one after :meth:`line_break`.
     counts : Counter of str
       What STATUS counts, but for what ``drawing`` does.
     """
@@ -68,8 +82,9 @@ class CommandDecoder:
         self.identity, self.drawing = identity, drawing
         self.most_counter_bits = most_counter_bits
         self.session = 0
-        self.stalled = False
+        self.stalled = self.holding = False
         self.phase_step = identity["default_phase_step"]
+        self._asked_step = 0
         self._decoder, self._body = CobsDecoder(), bytearray()
         self._begin()
 
@@ -79,6 +94,13 @@ class CommandDecoder:
         self.fifo = FrameFifo(self.identity["fifo_words"])
         self.counts: Counter[str] = Counter()
         self._free_told = self.fifo.free
+        self._command: Command | None = None
+        self._result: bytes | int | None = None
+        self._reply: tuple[Opcode, int] | None = None
+        self._nak: tuple[int, Reason] | None = None
+        self._ack: int | None = None
+        self._sent: Answer | None = None
+        self._step_due = False
 
     def feed(self, line: bytes) -> bytes:
         """
@@ -99,38 +121,99 @@ class CommandDecoder:
             if decoded.data is not None and len(self._body) <= MAX_BODY:
                 self._body.append(decoded.data)
             if decoded.end:
-                answers += self._frame(bytes(self._body), decoded.good)
+                self._frame(bytes(self._body), decoded.good)
                 self._body.clear()
                 answers += self.run()
         return answers
 
+    def line_break(self) -> None:
+        """The line was low for as long as a break is."""
+        self.phase_step = self.identity["default_phase_step"]
+        self._step_due = False
+
     def run(self) -> bytes:
-        """Execute what waits, unless stalled; the answers."""
+        """Execute what waits, unless stalled, and send what is due, unless holding; the answers."""
         answers = b""
-        while self.fifo.committed and not self.stalled:
-            opcode, number, result = execute(self.fifo, self.drawing)
-            if isinstance(result, bytes):
-                answers += self._answer(opcode | ANSWER_BIT, number, data=result)
-            elif result is not None:
-                answers += self._answer(opcode | ANSWER_BIT, number, words=[result])
-            if self.fifo.free - self._free_told >= self.fifo.num_words // 4:
-                answers += self._answer(Opcode.ACK, (self.receiver.expected - 1) % SEQUENCES)
-        return answers
+        while True:
+            if self._sent is None:
+                self._sent = self._next_answer()
+                self._tell_credits(self.holding)
+            if self._sent is not None and not self.holding:
+                answers += self.finish_answer()
+            elif not self._step():
+                return answers
 
-    def _answer(
-        self,
-        opcode: int,
-        number: int,
-        words: Sequence[int] = (),
-        data: bytes = b"",
-        reason: Reason = Reason.NONE,
-    ) -> bytes:
-        """An answer on the line, with the link state of this moment."""
+    @property
+    def sending(self) -> bool:
+        """Whether an answer is begun."""
+        return self._sent is not None
+
+    def _tell_credits(self, due: bool = True) -> None:
+        """Another ACK, as long as a quarter of the FIFO has become free since the last link state."""
+        if due and self.fifo.free - self._free_told >= self.fifo.num_words // 4:
+            self._ack = (self.receiver.expected - 1) % SEQUENCES
+
+    def _step(self) -> bool:
+        """Begin a command, or execute the one that is begun; False if neither can be."""
+        if self._result is not None:
+            return False
+        if self._command is None:
+            if not self.fifo.committed:
+                return False
+            self._command = begin(self.fifo)
+        elif self.stalled:
+            return False
+        else:
+            self._result = execute(self._command, self.fifo, self.drawing)
+            self._command = self._command if self._result is not None else None
+        self._tell_credits()
+        return True
+
+    def _next_answer(self) -> Answer | None:
+        """The answer that is begun next, if one is due."""
+        if self._reply is not None:
+            (opcode, number), self._reply = self._reply, None
+            self._step_due = opcode is Opcode.BAUD
+            return Answer(opcode | ANSWER_BIT, number)
+        if self._nak is not None:
+            (number, reason), self._nak = self._nak, None
+            return Answer(Opcode.NAK, number, reason)
+        if self._ack is not None:
+            number, self._ack = self._ack, None
+            return Answer(Opcode.ACK, number)
+        if self._command is None or self._result is None:
+            return None
+        (opcode, number, _, _), result = self._command, self._result
+        self._command = self._result = None
+        if isinstance(result, bytes):
+            return Answer(opcode | ANSWER_BIT, number, data=result)
+        return Answer(opcode | ANSWER_BIT, number, data=result.to_bytes(WORD_BYTES, "little"))
+
+    def finish_answer(self) -> bytes:
+        """
+        Send the answer that is begun, with the link state and the counters of this moment.
+
+        Returns
+        -------
+        bytes
+          Of the line; none if no answer is begun.
+        """
+        if self._sent is None:
+            return b""
+        answer, self._sent = self._sent, None
+        words: list[int] = []
+        if answer.opcode == Opcode.HELLO_ANSWER:
+            words = [self.session, *identity_words(self.identity)]
+        elif answer.opcode == Opcode.STATUS_ANSWER:
+            most = self.most_counter_bits
+            words = [self.counts[name] % (1 << min(bits, most)) for name, bits, _ in COUNTERS]
+        if self._step_due:
+            self.phase_step, self._step_due = self._asked_step, False
         self._free_told = self.fifo.free
-        state = self.receiver.expected | reason << 8 | self.fifo.free << 16
-        return encode_line(answer_bytes(opcode, number, [state, *words], data))
+        state = self.receiver.expected | answer.reason << 8 | self.fifo.free << 16
+        return encode_line(answer_bytes(answer.opcode, answer.number, [state, *words], answer.data))
 
-    def _frame(self, body: bytes, whole: bool) -> bytes:
+    def _frame(self, body: bytes, whole: bool) -> None:
         """A frame that ended."""
         length = int.from_bytes(body[2:4], "little")
         for word in words_of(body[: min(HEADER_BYTES + length, len(body) - CRC_BYTES)]):
@@ -141,30 +224,20 @@ class CommandDecoder:
         if verdict.commit:
             self.fifo.commit()
         self.fifo.discard()
-        return self._reply(verdict, body)
-
-    def _reply(self, verdict: Verdict, body: bytes) -> bytes:
-        """What a verdict is answered by."""
         if verdict.nak:
-            return self._answer(Opcode.NAK, body[1], reason=verdict.reason)
+            self._nak = body[1], verdict.reason
         if verdict.ack:
-            return self._answer(Opcode.ACK, body[1])
+            self._ack = body[1]
         if verdict.request:
-            return self._request(Opcode(body[0]), body[1], words_of(body[HEADER_BYTES:-CRC_BYTES]))
-        return b""
+            self._request(Opcode(body[0]), body[1], words_of(body[HEADER_BYTES:-CRC_BYTES]))
 
-    def _request(self, opcode: Opcode, number: int, argument: list[int]) -> bytes:
+    def _request(self, opcode: Opcode, number: int, argument: list[int]) -> None:
         """HELLO, STATUS, RESET or BAUD."""
-        words: list[int] = []
         if opcode is Opcode.RESET:
+            # Also what is being sent ends.
             (self.session,) = argument
             self._begin()
             self.drawing.reset()
         elif opcode is Opcode.BAUD:
-            (self.phase_step,) = argument
-        elif opcode is Opcode.HELLO:
-            words = [self.session, *identity_words(self.identity)]
-        else:
-            most = self.most_counter_bits
-            words = [self.counts[name] % (1 << min(bits, most)) for name, bits, _ in COUNTERS]
-        return self._answer(opcode | ANSWER_BIT, number, words)
+            (self._asked_step,) = argument
+        self._reply = opcode, number

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from quadshade.contract.protocol import WORD_BYTES, Opcode, unpack_payload
 from quadshade.golden.link.frame_fifo import FrameFifo
@@ -31,18 +31,46 @@ class Drawing(Protocol):
         """Forget a begun packet."""
 
 
-def execute(fifo: FrameFifo, drawing: Drawing) -> tuple[Opcode, int, bytes | int | None]:
+class Command(NamedTuple):
     """
-    The oldest command of a FIFO that has one.
+    A command that is begun.
+
+    Attributes
+    ----------
+    opcode : Opcode
+    number : int
+      Of its frame.
+    words : list of int
+      What of its payload was taken from the FIFO.
+    left : int
+      How many words are still there.
+    """
+
+    opcode: Opcode
+    number: int
+    words: list[int]
+    left: int
+
+
+def begin(fifo: FrameFifo) -> Command:
+    """The oldest command of a FIFO that has one, up to where it waits for the core."""
+    header = fifo.take()
+    opcode, count = Opcode(header & 0xFF), (header >> 16) // WORD_BYTES
+    taken = {Opcode.TRIANGLES: 0, Opcode.STATE: 1}.get(opcode, count)
+    return Command(opcode, header >> 8 & 0xFF, [fifo.take() for _ in range(taken)], count - taken)
+
+
+def execute(command: Command, fifo: FrameFifo, drawing: Drawing) -> bytes | int | None:
+    """
+    The rest of a command that is begun.
 
     Returns
     -------
-    Opcode, int, bytes or int or None
-      The command, its number, and its result: READ's bytes, FRAME_CRC's CRC.
+    bytes or int or None
+      READ's bytes, FRAME_CRC's CRC.
     """
-    header = fifo.take()
-    opcode, number = Opcode(header & 0xFF), header >> 8 & 0xFF
-    words = [fifo.take() for _ in range((header >> 16) // WORD_BYTES)]
+    opcode = command.opcode
+    words = command.words + [fifo.take() for _ in range(command.left)]
     fields, _ = unpack_payload(opcode, b"".join(word.to_bytes(WORD_BYTES, "little") for word in words))
     if opcode is Opcode.TRIANGLES:
         drawing.triangles(words)
@@ -52,7 +80,7 @@ def execute(fifo: FrameFifo, drawing: Drawing) -> tuple[Opcode, int, bytes | int
     elif opcode is Opcode.CLEAR:
         drawing.clear(**fields)
     elif opcode is Opcode.READ:
-        return opcode, number, drawing.read(**fields)
+        return drawing.read(**fields)
     else:
-        return opcode, number, drawing.frame_crc(fields["plane"])
-    return opcode, number, None
+        return drawing.frame_crc(fields["plane"])
+    return None
