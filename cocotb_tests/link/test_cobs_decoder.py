@@ -11,6 +11,7 @@ import pytest
 from cobs import cobs
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.link.cobs_decoder import CobsDecoder, Decoded
 
@@ -47,6 +48,7 @@ async def every_cycle(dut: Any, source: str) -> None:
         noise = bench.draw.randbytes(bench.draw.randrange(60))
         pieces.append((noise + b"\0", None))
     model, go = CobsDecoder(), SPEEDS[source](bench.draw)
+    reset = at_random(bench.draw, 300)
     expected, got = Decoded(), bytearray()
     for index, (piece, body) in enumerate(pieces):
         waiting = list(piece)
@@ -55,6 +57,8 @@ async def every_cycle(dut: Any, source: str) -> None:
             error = body is None and bool(waiting) and not valid and bench.chance(0.02)
             dut.line_valid.value, dut.line_error.value = int(valid), int(error)
             dut.line_data.value = waiting[0] if waiting else 0
+            resets = next(reset)
+            dut.reset.value = int(resets)
             await bench.edge()
             ports = (bool(dut.byte_valid.value), bool(dut.frame_end.value), bool(dut.frame_good.value))
             wanted = (expected.data is not None, expected.end, expected.good)
@@ -71,4 +75,8 @@ async def every_cycle(dut: Any, source: str) -> None:
                 model.error()
             if valid:
                 expected = model.add(waiting.pop(0))
+            if resets:
+                # Of this piece the rest may be anything.
+                model, expected, body = CobsDecoder(), Decoded(), None
+                got.clear()
     bench.finish(at_least=2000)

@@ -10,6 +10,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.link.frame_fifo import FrameFifo
 
@@ -38,8 +39,9 @@ async def frames(dut: Any, source: str, sink: str) -> None:
     await bench.start("write_valid", "write_data", "commit", "discard", "read_ready")
     writes, reads = SPEEDS[source](bench.draw), SPEEDS[sink](bench.draw)
     model, held, read, overflows = FrameFifo(bench.config.num_words), None, 0, 0
+    reset = at_random(bench.draw, 120)
     for index in range(1600):
-        resets = index == 800
+        resets = next(reset)
         ends = bench.chance(0.2)
         commits = ends and bench.chance(0.6)
         write = not ends and next(writes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from itertools import repeat
 from typing import Any
 
 import cocotb
@@ -12,8 +13,9 @@ import pytest
 from cocotbext.uart import UartSource
 
 from cocotb_tests.support.bench import PERIOD_NS, Bench
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.protocol import PHASE_BITS
+from quadshade.contract.protocol import BREAK_BITS, PHASE_BITS
 from quadshade.golden.link.uart_rx import UartRx
 
 STEPS = [1 << (PHASE_BITS - 2), round((1 << PHASE_BITS) / 8.333), round((1 << PHASE_BITS) / 33.3)]
@@ -33,14 +35,16 @@ def levels(bench: Bench, clocks: float) -> list[int]:
     """A line, clock by clock: characters, gaps, glitches, breaks, noise."""
     line: list[int] = []
     while len(line) < 90 * clocks + 2500:
-        kind = bench.draw.choice(("character", "character", "gap", "glitch", "low", "noise"))
+        kind = bench.draw.choice(("character", "character", "gap", "glitch", "low", "break", "noise"))
         if kind == "character":
             bits = [0, *(bench.bits(8) >> index & 1 for index in range(8)), int(bench.chance(0.9))]
         elif kind == "noise":
             line += [bench.bits(1) for _ in range(30)]
             continue
         else:
-            run = {"gap": 30, "glitch": 0.6, "low": 30}[kind] * bench.draw.random()
+            run = {"gap": 30, "glitch": 0.6, "low": 30, "break": 4}[kind] * bench.draw.random()
+            # Just none, just one, and so long that a counter of its bits would come round.
+            run += bench.draw.choice((BREAK_BITS - 2, BREAK_BITS - 2, 30, 62)) * (kind == "break")
             line += [int(kind == "gap")] * int(run * clocks) + [1]
             continue
         ends = [round((index + 1) * clocks) for index in range(10)]
@@ -50,18 +54,20 @@ def levels(bench: Bench, clocks: float) -> list[int]:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(step=STEPS)
-async def every_cycle(dut: Any, step: int) -> None:
-    bench = Bench(dut, Config, f"every_cycle {step}")
+@cocotb.parametrize(step=STEPS, resets=[False, True])
+async def every_cycle(dut: Any, step: int, resets: bool) -> None:
+    bench = Bench(dut, Config, f"every_cycle {step} {resets}")
     dut.rx.value = 1
     await bench.start("phase_step")
     dut.rx.value = 1
     dut.phase_step.value = step
     for _ in range(4):
         await bench.edge()
-    model, seen = UartRx(), [0, 0, 0]
-    for index, level in enumerate(levels(bench, (1 << PHASE_BITS) / step)):
-        dut.rx.value = level
+    model, seen, clocks = UartRx(), [0, 0, 0], (1 << PHASE_BITS) / step
+    reset = at_random(bench.draw, int(30 * clocks)) if resets else repeat(False)
+    for index, level in enumerate(levels(bench, clocks)):
+        resets_now = next(reset)
+        dut.rx.value, dut.reset.value = level, int(resets_now)
         await bench.edge()
         expected = model.outputs
         got = (bool(dut.byte_valid.value), bool(dut.framing_error.value), bool(dut.break_seen.value))
@@ -71,6 +77,8 @@ async def every_cycle(dut: Any, step: int) -> None:
             bench.check("byte_data", int(dut.byte_data.value), expected.data, index)
         seen = [count + value for count, value in zip(seen, wanted, strict=True)]
         model.clock(level, step)
+        if resets_now:
+            model.reset()
     bench.check("characters, framing errors and breaks were there", min(seen) > 0, True)
     bench.finish(at_least=2500)
 

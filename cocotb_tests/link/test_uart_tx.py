@@ -12,6 +12,7 @@ import pytest
 from cocotbext.uart import UartSink
 
 from cocotb_tests.support.bench import PERIOD_NS, SPEEDS, Bench, StreamSource, full_speed
+from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import PHASE_BITS
 from quadshade.golden.link.uart_tx import UartTx
@@ -35,9 +36,10 @@ async def every_cycle(dut: Any, source: str, clocks: float) -> None:
     step = round((1 << PHASE_BITS) / clocks)
     dut.phase_step.value = step
     model, go, offered = UartTx(), SPEEDS[source](bench.draw), None
+    reset = at_random(bench.draw, int(30 * clocks))
     for index in range(2500):
         # A reset in the middle leaves a line that is high.
-        resets = index == 1000
+        resets = next(reset)
         if offered is None and next(go) and index > 10:
             offered = bench.bits(8)
         dut.reset.value = int(resets)

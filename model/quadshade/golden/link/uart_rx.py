@@ -25,8 +25,12 @@ class UartRx:
     """8N1: phase from the start bit's edge on, three samples a bit, and the majority."""
 
     def __init__(self) -> None:
-        self.outputs = Outputs()
         self._line = [1, 1]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the character; the line's two registers go on."""
+        self.outputs = Outputs()
         self._place = IDLE
         self._phase = self._position = self._data = self._low_bits = 0
         self._samples = [1, 1]
