@@ -103,6 +103,10 @@ pictures: export QUADSHADE_WRITE_PICTURES := 1
 pictures: setup ## run every command of README and pages, and write the pictures that they show
 	@$(PYTEST) tests/test_documents.py
 
+.PHONY: view-film
+view-film: setup ## film quadshade view in Chromium: docs/images/view.gif, view.png
+	@$(VENV) -m scripts.view_film
+
 ##@ Reports, in docs/reports
 
 .PHONY: throughput

@@ -24,7 +24,7 @@ LAYERS = (
     {"adapt", "style", "synthesis"},
     {"board"},
     {"rendering", "trade"},
-    {"animation"},
+    {"animation", "view"},
     {"cli"},
 )
 """The parts of the product, bottom-up; a part knows only those of the layers below it, and itself."""

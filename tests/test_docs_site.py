@@ -8,7 +8,6 @@ import functools
 import http.server
 import os
 import re
-import shutil
 import threading
 from collections.abc import Iterator
 from html.parser import HTMLParser
@@ -19,7 +18,6 @@ from urllib.parse import unquote, urldefrag, urljoin
 import pytest
 from selenium import webdriver
 from selenium.common.exceptions import TimeoutException
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.wait import WebDriverWait
 
@@ -28,13 +26,13 @@ from quadshade.cli.main import COMMANDS
 from quadshade.contract.formats import GENERIC_HELP, Formats
 from quadshade.engine.build_cache import build_once
 from quadshade.golden.core.edge_dda import EdgeDda
-from quadshade.trade.page.screenshot import find_chromium
 from scripts.docs import drawings
 from scripts.docs.command_line import command_line_page
 from scripts.docs.entity import ROOT, units
 from scripts.docs.simulate_unit import ports_per_clock
 from scripts.docs.site import build_site
 from scripts.docs.timing_diagram import diagram, windows
+from tests.support.chromium import open_chromium
 
 DRAWN = ("edge_dda", "load_adder")
 """Units with their diagram here; `make docs` simulates all of them."""
@@ -102,14 +100,7 @@ def address(site: Path) -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[webdriver.Chrome]:
-    options = webdriver.ChromeOptions()
-    options.binary_location = find_chromium()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = shutil.which("chromedriver")
-    assert driver, "chromedriver is not installed: run `make setup`"
-    with webdriver.Chrome(options, Service(driver)) as opened:
+    with open_chromium() as opened:
         yield opened
 
 

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.select import Select
 
@@ -24,7 +23,7 @@ from quadshade.trade.grid import DEFAULT_SHADINGS, SUBDIVISIONS, USUAL_SHADINGS
 from quadshade.trade.page import __main__ as report
 from quadshade.trade.page import build_page
 from quadshade.trade.page.papers import BARRERA, SETUPS
-from quadshade.trade.page.screenshot import find_chromium
+from tests.support.chromium import open_chromium
 
 SCENES = ("sphere:168", "torus:288")
 ARGUMENTS = ("--size", "48", "--jobs", "1", "--no-area", "--fraction", "8", "--fraction", "22")
@@ -58,15 +57,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[webdriver.Chrome]:
-    options = webdriver.ChromeOptions()
-    options.binary_location = find_chromium()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1200,2000"):
-        options.add_argument(argument)
-    options.add_argument("--disable-dev-shm-usage")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = shutil.which("chromedriver")
-    assert driver, "chromedriver is not installed: run `make setup`"
-    with webdriver.Chrome(options, Service(driver)) as opened:
+    with open_chromium() as opened:
+        opened.set_window_size(1200, 2000)
         yield opened
 
 

@@ -26,6 +26,7 @@ BAD_INPUT = 2
 COMMANDS = (
     "render",
     "turn",
+    "view",
     "raster",
     "compare",
     "trade",

@@ -32,9 +32,9 @@ def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -
     """
     from quadshade.files.atomic import check_writable, write_atomically
     from quadshade.image import write_png
-    from quadshade.rendering.board import replay_on_board
     from quadshade.rendering.groups import EngineChoice, PortChoice
     from quadshade.rendering.picture import check_png
+    from quadshade.rendering.replay import replay_on_board
     from quadshade.rendering.settings import collect
 
     if output is not None:
