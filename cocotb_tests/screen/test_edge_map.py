@@ -11,6 +11,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource, full_speed
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.screen.edge_map import DIAGONAL, EIGHT, edge_map_scalar
 
@@ -46,25 +47,26 @@ def test_edge_map(config: Config) -> None:
     simulate("edge_map", config)
 
 
+def frame(bench: Bench, width: int, height: int, smooth: bool = False) -> Frame:
+    """Any pixels, corners of the formats often; or smooth with a step, as a G-buffer is."""
+    count = width * height
+    if smooth:
+        pixels = [(128 + p % 3, 130, 250, 20 + p % width + 90 * (p % width > 4)) for p in range(count)]
+    else:
+        bits = bench.config.depth_bits
+        pixels = [(*(bench.bits(8) for _ in range(3)), bench.bits(bits)) for _ in range(count)]
+    return Frame(width, height, bench.draw.choice((DIAGONAL, EIGHT)), pixels)
+
+
 def frames(bench: Bench) -> list[Frame]:
-    """The narrowest, the widest, single scanlines, and some between; corners of the formats in each."""
+    """The narrowest, the widest, single scanlines, the tallest, and some between."""
     widest = bench.config.max_width
     tallest = min(9, 1 << bench.config.coord_bits)
     sizes = [(3, 1), (widest, 3), (3, 3), (widest, 1), (3, 2), (widest, tallest)]
     sizes += [(bench.draw.randint(3, widest), bench.draw.randint(1, tallest)) for _ in range(6)]
-    some = []
-    for index, (width, height) in enumerate(sizes):
-        pixels = [
-            (*(bench.bits(8) for _ in range(3)), bench.bits(bench.config.depth_bits))
-            for _ in range(width * height)
-        ]
-        if index % 3 == 0:
-            # Smooth, with a step: as a G-buffer is.
-            pixels = [
-                (128 + p % 3, 130, 250, 20 + p % width + 90 * (p % width > 4)) for p in range(len(pixels))
-            ]
-        some.append(Frame(width, height, bench.draw.choice((DIAGONAL, EIGHT)), pixels))
-    return some
+    # As many scanlines as can be said.
+    sizes.append((3, (2 << bench.config.coord_bits) - 1))
+    return [frame(bench, *size, smooth=index % 3 == 0) for index, size in enumerate(sizes)]
 
 
 def words(frame: Frame) -> list[tuple[int, int]]:
@@ -72,12 +74,11 @@ def words(frame: Frame) -> list[tuple[int, int]]:
     return [(x | y << 8 | z << 16, depth) for x, y, z, depth in frame.pixels]
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def every_frame(dut: Any, source: str, sink: str) -> None:
-    bench = Bench(dut, Config, f"every_frame {source} {sink}")
-    await bench.start(*INPUTS)
-    asked = frames(bench)
+async def draw(
+    bench: Bench, asked: list[Frame], source: str, sink: str
+) -> tuple[list[StreamSource], StreamSink]:
+    """Frames through the unit, every edge pixel compared; the streams of frames and pixels, and what came."""
+    dut, begin = bench.dut, bench.cycle
     pixels = [word for frame in asked for word in words(frame)]
     sources = [
         StreamSource(
@@ -97,9 +98,7 @@ async def every_frame(dut: Any, source: str, sink: str) -> None:
     ]
     outputs = [dut.edge_normal, dut.edge_depth, dut.edge_last]
     taker = StreamSink(bench, dut.edge_valid, dut.edge_ready, outputs, SPEEDS[sink](bench.draw))
-    for _ in range(40_000):
-        if len(taker.words) >= len(pixels):
-            break
+    while len(taker.words) < len(pixels) and bench.cycle - begin < 40_000:
         for stream in (*sources, taker):
             stream.drive()
         await bench.edge()
@@ -111,12 +110,20 @@ async def every_frame(dut: Any, source: str, sink: str) -> None:
         await bench.edge()
         taker.sample(bench.cycle)
     expected = []
-    for frame in asked:
-        edges = edge_map_scalar(
-            frame.pixels, frame.width, frame.height, bench.config.depth_bits, frame.variant
-        )
+    for one in asked:
+        edges = edge_map_scalar(one.pixels, one.width, one.height, bench.config.depth_bits, one.variant)
         expected += [(*edge, int(index == len(edges) - 1)) for index, edge in enumerate(edges)]
     bench.check_all("edge pixel", taker.words, expected)
+    return sources, taker
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def every_frame(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"every_frame {source} {sink}")
+    await bench.start(*INPUTS)
+    asked = frames(bench)
+    sources, taker = await draw(bench, asked, source, sink)
     if source == sink == "full_speed":
         begin = 0
         for index, frame in enumerate(asked):
@@ -138,7 +145,9 @@ async def frames_of_other_sizes_are_refused(dut: Any) -> None:
     bench = Bench(dut, Config, "frames_of_other_sizes_are_refused")
     await bench.start(*INPUTS)
     widest = bench.config.max_width
-    for size in ((0, 1), (1, 5), (2, 2), (widest + 1, 3), (widest, 0), (3, 1)):
+    most = (2 << bench.config.coord_bits) - 1
+    sizes = [(0, 1), (1, 5), (2, 2), (widest + 1, 3), (most, 1), (most, most), (widest, 0), (3, 1)]
+    for size in sizes:
         dut.frame_valid.value = 1
         dut.frame_width.value, dut.frame_height.value = size
         await bench.edge()
@@ -146,9 +155,25 @@ async def frames_of_other_sizes_are_refused(dut: Any) -> None:
         await bench.edge()
         bench.check("refused", bool(dut.refused.value), size != (3, 1), None, size)
         bench.check("frame_ready", bool(dut.frame_ready.value), size != (3, 1), None, size)
-    # A reset amid a frame.
-    await bench.reset()
-    await bench.edge()
-    bench.check("frame_ready after reset", bool(dut.frame_ready.value), True)
-    bench.check("edge_valid after reset", bool(dut.edge_valid.value), False)
-    bench.finish(at_least=14)
+    bench.finish(at_least=16)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def resets(dut: Any, source: str, sink: str) -> None:
+    """Amid a frame's pixels, its repeated scanline and column, and the cycle in which one is refused."""
+    bench = Bench(dut, Config, f"resets {source} {sink}")
+    await bench.start(*INPUTS)
+
+    async def work() -> None:
+        dut.frame_valid.value, dut.frame_width.value = 1, 0
+        await bench.edge()
+        dut.frame_valid.value = 0
+        await bench.edge()
+        bench.check("refused", bool(dut.refused.value), True)
+        asked = [frame(bench, bench.draw.randint(3, min(bench.config.max_width, 6)), rows) for rows in (2, 1)]
+        await draw(bench, asked, source, sink)
+
+    events = ("refused", ("pixel_valid", "pixel_ready"), "edge_valid", ("edge_valid", "edge_last"))
+    await reset_amid(bench, work, events, 20, quiet=("edge_valid", "refused", "pixel_ready"))
+    bench.finish(at_least=200)
