@@ -12,6 +12,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.screen.depth_test import DepthTest
 
@@ -244,26 +245,43 @@ async def clear_forgets_what_was_before(dut: Any, source: str) -> None:
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
-async def reset_forgets_everything(dut: Any) -> None:
-    bench = await begin(dut, "reset_forgets_everything")
+@cocotb.parametrize(source=list(SPEEDS))
+async def resets(dut: Any, source: str) -> None:
+    """A reset amid pixels, a look or a clear forgets every pixel and depth; its fill comes first."""
+    bench = await begin(dut, f"resets {source}")
     words = bench.config.width * bench.config.height
-    for length in (1, 3, 5, 9):
-        screen = Screen(bench, "full_speed")
-        screen.offer(next(overlaps(bench)))
-        for _ in range(length):
-            await screen.cycle()
-        dut.pixel_valid.value = 0
-        await bench.reset()
-        for _ in range(words):
-            await bench.edge()
-            bench.check("kept_valid after reset", bool(dut.kept_valid.value), False)
-            bench.check("busy after reset", bool(dut.busy.value), True)
+    batches = list(overlaps(bench))
+
+    async def work() -> None:
         await bench.edge()
-        bench.check("busy after the fill", bool(dut.busy.value), False)
-    screen = Screen(bench, "full_speed")
-    screen.offer(list(overlaps(bench))[-1])
-    for _ in range(300):
-        await screen.cycle()
-    await screen.drain()
-    screen.compare()
-    bench.finish(at_least=words)
+        while dut.busy.value:
+            bench.check("kept_valid in the fill", bool(dut.kept_valid.value), False)
+            await bench.edge()
+        screen = Screen(bench, source)
+        for _ in range(2):
+            batch = bench.draw.choice(batches)
+            first = bench.draw.randrange(len(batch))
+            screen.offer(batch[first : first + 20])
+            while not screen.source.empty:
+                await screen.cycle()
+            dut.clear.value = 1
+            await screen.cycle()
+            dut.clear.value = 0
+            screen.model.clear()
+            while dut.busy.value:
+                await screen.cycle()
+        screen.offer(bench.draw.choice(batches)[:20])
+        while not screen.source.empty:
+            await screen.cycle()
+        await screen.drain()
+        screen.compare()
+        await look_at_all(screen, SPEEDS[source](bench.draw))
+        # As a reset does, for the work behind this.
+        dut.clear.value = 1
+        await bench.edge()
+        dut.clear.value = 0
+        await bench.edge()
+
+    events = ("pixel_valid", "kept_valid", "look", "clear", "drained")
+    await reset_amid(bench, work, events, 20 if words < 100 else 10, quiet=("kept_valid", "idle"))
+    bench.finish(at_least=200)
