@@ -177,6 +177,11 @@ faults: setup ## inject a million faults into the link's frames, write docs/repo
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
 	@$(VENV) -m scripts.experiments.link_faults_rtl
 
+.PHONY: mutation
+mutation: setup ## which changes of the RTL do the benches notice (hours); UNIT=name, SEED=n, COUNT=n; goes on
+	@nice $(VENV) -m scripts.mutation.rtl --jobs $(JOBS) --seed $(SEED) $(if $(UNIT),--unit $(UNIT)) \
+	  $(if $(COUNT),--count $(COUNT))
+
 .PHONY: screen
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
 	@JOBS=$(JOBS) $(VENV) -m scripts.experiments.screen_area --seeds $(SEEDS)

@@ -28,6 +28,9 @@ UNKNOWN_CYCLES = 64
 MAX_SHOWN = 600
 """Characters of a value in a failure's text."""
 
+FAIL_FAST = bool(os.environ.get("QUADSHADE_FAIL_FAST"))
+"""Whether the first wrong word ends its test: for runs that only ask whether one is wrong."""
+
 
 def full_speed(draw: random.Random) -> Iterator[bool]:
     """Always on."""
@@ -158,6 +161,8 @@ class Bench:
                 lines.append(f"  inputs:   {str(inputs)[:MAX_SHOWN]}")
             lines += [f"  got:      {str(got)[:MAX_SHOWN]}", f"  expected: {str(expected)[:MAX_SHOWN]}"]
             self.first_fault = "\n".join(lines)
+        if FAIL_FAST:
+            self.finish()
 
     def check_all(
         self,
