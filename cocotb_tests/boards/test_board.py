@@ -95,6 +95,8 @@ CONFIGS = [
         most_counter_bits=16,
         single_buffer=1,
         crc_cycles=4,
+        # Its phase step is rounded.
+        baud=15_001,
     ),
     Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0),
     Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
