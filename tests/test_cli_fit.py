@@ -40,16 +40,35 @@ def test_fits_are_nearer_to_phong(tmp_path: Path) -> None:
     )
 
 
-def test_a_fit_goes_to_a_board_and_into_a_packed_picture(tmp_path: Path) -> None:
-    settings = {"size": (32, 24), "fit": "least-squares"}
+@pytest.mark.parametrize("fit", ["least-squares", "c1"])
+def test_a_fit_goes_to_a_board_and_into_a_packed_picture(tmp_path: Path, fit: str) -> None:
+    settings = {"size": (32, 24), "fit": fit}
     model = quadshade.render("torus:288", engine="model", **settings)
     with quadshade.Board("sim", engine="model") as board:
         drawn = quadshade.render("torus:288", port=board, pack_error=0.0, **settings)
     assert (drawn.array == model.array).all()
     six, fitted = tmp_path / "six.qs", tmp_path / "fitted.qs"
     assert run("pack", "torus:288", "-o", six, "--size", "64x48").exit_code == 0
-    assert run("pack", "torus:288", "-o", fitted, "--size", "64x48", "--fit", "least-squares").exit_code == 0
+    assert run("pack", "torus:288", "-o", fitted, "--size", "64x48", "--fit", fit).exit_code == 0
     assert six.read_bytes() != fitted.read_bytes()
+
+
+def test_parts_are_drawn_by_the_vhdl_as_by_the_model() -> None:
+    pictures = [
+        quadshade.render("sphere:30", size=(40, 32), exponent=50, fit="c1", jump=0.1, engine=engine)
+        for engine in ("model", "ghdl")
+    ]
+    assert len(pictures[0].triangles) > 30
+    assert (pictures[0].array == pictures[1].array).all()
+    assert pictures[0].stats.clocks == pictures[1].stats.clocks
+    assert (pictures[0].depth == pictures[1].depth).all()
+
+
+def test_parts_of_supersampled_pictures_cover_what_their_triangles_do() -> None:
+    settings = {"size": (96, 72), "supersample": 4, "material": "colour=1,1,1,d=1", "engine": "model"}
+    six, parts = (quadshade.render("cube:2", fit=fit, **settings).array for fit in ("six-point", "c1"))
+    # Where a part would let the ground through, or hide another one, it would be a step of many levels.
+    assert np.abs(six.astype(int) - parts).max() <= 3
 
 
 @pytest.mark.parametrize(
@@ -58,7 +77,11 @@ def test_a_fit_goes_to_a_board_and_into_a_packed_picture(tmp_path: Path) -> None
         (("--fit", "minimax", "--shading", "gouraud"), "--fit minimax with the shading gouraud"),
         (("--fit", "smooth", "--setup", "abbas"), "--fit smooth with --setup abbas"),
         (("--fit", "smooth", "--max-error", "2"), "--fit smooth with --max-error or --budget"),
+        (("--fit", "c1", "--shading", "quadratic-specular"), "--fit c1 with the shading quadratic-specular"),
+        (("--fit", "minimax", "--shading", "quadratic-specular", "--toon", "3"), "with steps of a cartoon"),
         (("--smoothness", "3"), "a smoothness with the fit six-point"),
+        (("--jump", "3"), "a jump with the fit six-point"),
+        (("--fit", "c1", "--jump", "-3"), "jump is -3"),
         (("--fit", "smooth", "--smoothness", "-3"), "smoothness is -3"),
         (("--supersample", "3"), "'3' is not one of"),
     ],

@@ -12,14 +12,15 @@ from quadshade.choices import FITS
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.fit import fit_colours, solve
+from quadshade.fit import fit_colours, fit_scene, fits, solve
 from quadshade.fit.elements import ENDS, shared_elements
-from quadshade.fit.jumps import jump_penalty
-from quadshade.fit.places import places_of
+from quadshade.fit.jumps import jump_penalty, jumps_of
+from quadshade.fit.places import held_beyond, places_of
 from quadshade.fit.solve import HOLD
+from quadshade.fit.weighting import Weighted
 from quadshade.scene import build_mesh, fit_camera, load_scene, parse_camera, project
-from quadshade.shading import Material, default_lights, sample
-from quadshade.shading.reference import phong, quadratic_shape
+from quadshade.shading import Material, default_lights, sample, sample_specular, specular_formats
+from quadshade.shading.reference import barycentric, phong, quadratic_shape
 from quadshade.shading.sample import reflected
 
 FORMATS = Formats()
@@ -51,26 +52,46 @@ def test_least_squares_is_nearer_to_phong(scene: str, places: str) -> None:
         assert np.abs(after).max() <= np.abs(before).max() + 1
 
 
+def test_the_pixels_are_those_of_the_core() -> None:
+    """Clipped at the screen's border, from behind and without area: the same pixels, at the same places."""
+    mesh = load_scene("torus:288")
+    projected = project(mesh, parse_camera("from=0.3,0.2,1,ortho=0.7", mesh), 97, 61, cull=False)
+    here = places_of("pixels", projected, FORMATS)
+    drawn = draw(sample(projected), FORMATS, "model").pixels
+    exact = barycentric(projected.vertices, drawn.triangle, drawn.x, drawn.y, FORMATS.subpixel_bits)
+    order, other = (
+        np.lexsort((weights[:, 2], weights[:, 1], owner))
+        for owner, weights in ((here.triangle, here.weights), (drawn.triangle, exact))
+    )
+    assert len(drawn) > 1000
+    assert (here.triangle[order] == drawn.triangle[other]).all()
+    assert (here.weights[order] == exact[other]).all()
+
+
 def test_at_the_pixels_nothing_else_is_better() -> None:
     """The gradient of the squared error over all shared unknowns is zero, up to the hold on six points."""
     projected, six = seen()
-    best = fit_colours(projected, six, "least-squares", material=SHARP)
     here = places_of("pixels", projected, FORMATS)
     light = reflected(projected, here.triangle, here.weights[:, None], default_lights(projected.axes), SHARP)
     exact = 255 * np.clip(light[:, 0], 0, 1)
-    shape = quadratic_shape(here.weights)
-    elements = shared_elements(six)
-    index = elements.index
-    values = np.empty_like(elements.start)
-    values[index.reshape(-1)] = best.samples.transpose(0, 2, 1).reshape(-1, 3)
+    elements, beyond = shared_elements(six), held_beyond(projected, FORMATS)
+    values = Weighted(elements, here, exact, beyond, 0, 255).solve(here.area, tolerance=1e-6).values
+    index, shape = elements.index, quadratic_shape(here.weights)
     residual = np.einsum("ps,psc->pc", shape, values[index[here.triangle]]) - exact
     gradient = HOLD * (values - elements.start)
+    np.add.at(gradient, index, beyond[:, None, None] * (values - elements.start)[index])
     np.add.at(gradient, index[here.triangle], (here.area[:, None] * shape)[:, :, None] * residual[:, None, :])
     inside = (values > 0) & (values < 255)
     assert inside.mean() > 0.95
-    assert np.abs(gradient[inside]).max() < 0.2
+    assert np.abs(gradient[inside]).max() < 0.01
     # What is held at a border would only go beyond it.
-    assert (gradient[values == 0] > -0.2).all() and (gradient[values == 255] < 0.2).all()
+    assert (gradient[values == 0] > -0.01).all() and (gradient[values == 255] < 0.01).all()
+    # What is drawn has lower peaks for at most a quarter of a percent more of the squared error.
+    best = fit_colours(projected, six, "least-squares", material=SHARP)
+    drawn = np.einsum("ps,psc->pc", shape, best.samples.transpose(0, 2, 1)[here.triangle]) - exact
+    largest = [np.abs(error).max(axis=1) for error in (residual, drawn)]
+    assert (largest[1] ** 2).sum() < 1.003 * (largest[0] ** 2).sum()
+    assert largest[1].max() < largest[0].max()
 
 
 def test_minimax_has_a_smaller_largest_error() -> None:
@@ -123,7 +144,81 @@ def test_the_jump_of_one_quadratic_is_zero_and_of_a_kink_its_angle() -> None:
         assert one @ (penalty @ one) == pytest.approx(expected, abs=1e-6)
 
 
-@pytest.mark.parametrize("fit", FITS)
+@pytest.mark.parametrize("scene", ["sphere:168", "torus:288"])
+@pytest.mark.parametrize("jump", [0.0, 0.1])
+def test_c1_has_no_jump_and_covers_the_same_pixels(scene: str, jump: float) -> None:
+    projected, six = seen(scene)
+    fitted = fit_scene(projected, six, "c1", material=SHARP, jump=jump)
+    assert not fitted.notes
+    assert len(fitted.triangles) > (5.5 if jump == 0 else 3) * len(projected)
+    elements = shared_elements(fitted.triangles)
+    values = np.empty_like(elements.start)
+    values[elements.index.reshape(-1)] = fitted.triangles.samples.transpose(0, 2, 1).reshape(-1, 3)
+    # All six samples of an edge's both sides are one: no crack in colour.
+    assert np.abs(elements.samples(values) - fitted.triangles.samples).max() < 1e-9
+    jumps = jumps_of(elements, fitted.projected.vertices, FORMATS)
+    size = jumps.of_edges(values)
+    assert len(size) > 1.3 * len(fitted.triangles)
+    # Points on the lattice are not quite where they should be: slopes on both sides are not quite the same.
+    assert np.sqrt(np.average(size**2, weights=jumps.length)) < (0.02 if jump == 0 else jump)
+    assert np.percentile(size, 90) < jump + 0.01
+    # Every pixel belongs to a part of the triangle that it belonged to.
+    before, after = draw(six, FORMATS, "model").pixels, draw(fitted.triangles, FORMATS, "model").pixels
+    places = (
+        np.stack([owner, pixels.y, pixels.x], axis=1)
+        for owner, pixels in ((before.triangle, before), (fitted.parent[after.triangle], after))
+    )
+    one, two = (place[np.lexsort(place.T)] for place in places)
+    assert len(one) > 10000 and (one == two).all()
+
+
+def test_c1_keeps_creases_and_splits_nothing_that_is_flat() -> None:
+    mesh = load_scene("cube:2")
+    projected = project(mesh, parse_camera("from=1,0.8,1.2", mesh), 96, 96)
+    six = sample(projected)
+    fitted = fit_scene(projected, six, "c1", jump=0.02)
+    assert len(fitted.triangles) < 6 * len(projected)
+    before, after = draw(six, FORMATS, "model").pixels, draw(fitted.triangles, FORMATS, "model").pixels
+    assert len(before) == len(after)
+    step = before.value[np.lexsort((before.x, before.y))] - after.value[np.lexsort((after.x, after.y))]
+    assert np.abs(step).max() <= 2
+
+
+@pytest.mark.parametrize("fit", ["least-squares", "minimax"])
+def test_cosines_are_fitted_for_the_final_colour(fit: str) -> None:
+    projected, _ = seen("torus:288")
+    formats = specular_formats({}, projected, None, SHARP)
+    cosines = sample_specular(projected, material=SHARP, formats=formats)
+    fitted = fit_colours(projected, cosines, fit, material=SHARP, formats=formats)
+    errors = []
+    for triangles in (cosines, fitted):
+        pixels = draw(triangles, formats, "model").pixels
+        errors.append(pixels.value - phong(projected, pixels.triangle, pixels.x, pixels.y, material=SHARP))
+    square = [(error**2).mean() for error in errors]
+    # Two decibels, in spite of 8-bit rounding.
+    assert square[1] < 0.63 * square[0]
+    assert np.abs(errors[1]).max() < np.abs(errors[0]).max()
+    with pytest.raises(QuadshadeError, match="the fit smooth of cosines"):
+        fit_colours(projected, cosines, "smooth", material=SHARP, formats=formats)
+
+
+def test_colours_that_are_no_numbers_count_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    projected, six = seen()
+    exact = fits.phong_at
+
+    def holed(projected, triangle, *rest):
+        colour = exact(projected, triangle, *rest)
+        colour[triangle == 3] = np.nan
+        return colour
+
+    monkeypatch.setattr(fits, "phong_at", holed)
+    for fit in FITS[1:]:
+        fitted = fit_scene(projected, six, fit, material=SHARP)
+        assert np.isfinite(fitted.triangles.samples).all()
+        assert sum("colours that are no numbers" in note for note in fitted.notes) == 1
+
+
+@pytest.mark.parametrize("fit", [fit for fit in FITS if fit != "c1"])
 def test_neighbours_meet_in_value(fit: str) -> None:
     projected, six = seen("torus:288")
     fitted = fit_colours(projected, six, fit, material=SHARP)
@@ -153,12 +248,31 @@ def test_bad_meshes_are_drawn_as_sampled_or_better(fit: str) -> None:
     camera = fit_camera(mesh, eye=np.array([0.3, 0.4, 4.0]), target=np.array([0.4, 0.4, 0.0]), fov=30)
     projected = project(mesh, camera, 96, 96, cull=False)
     six = sample(projected, material=SHARP)
-    fitted = fit_colours(projected, six, fit, material=SHARP)
+    scene = fit_scene(projected, six, fit, material=SHARP)
+    fitted = scene.triangles
     assert np.isfinite(fitted.samples).all()
     before, after = draw(six, FORMATS, "model").pixels, draw(fitted, FORMATS, "model").pixels
-    assert (before.x == after.x).all() and (before.triangle == after.triangle).all()
+    pixels = [
+        np.sort((owner.astype(np.int64) * 96 + pixels.y) * 96 + pixels.x)
+        for owner, pixels in ((before.triangle, before), (scene.parent[after.triangle], after))
+    ]
+    assert (pixels[0] == pixels[1]).all()
+    assert len(scene.notes) <= 1
     if fit in ("six-point", "least-squares"):
         assert (errors(projected, fitted) ** 2).mean() <= (errors(projected, six) ** 2).mean() + 0.1
+
+
+def test_c1_keeps_triangles_whole_at_an_edge_of_three() -> None:
+    vertices = [[0, 0, 0], [0, 1, 0], [1, 0.5, 0.3], [-1, 0.5, 0.3], [-0.7, 0.4, 0.9], [2, 1.2, 0]]
+    mesh = build_mesh(
+        np.array(vertices, float), np.array([[0, 2, 1], [0, 1, 3], [0, 1, 4], [1, 2, 5]]), crease=180
+    )
+    projected = project(mesh, parse_camera("from=0,0,1", mesh), 96, 96, cull=False)
+    six = sample(projected, material=SHARP)
+    fitted = fit_scene(projected, six, "c1", material=SHARP, jump=0)
+    assert len(fitted.notes) == 1 and "4 triangles" in fitted.notes[0]
+    before, after = (draw(triangles, FORMATS, "model").pixels for triangles in (six, fitted.triangles))
+    assert len(before) == len(after) > 1000
 
 
 def test_nothing_to_draw_and_nothing_seen() -> None:
@@ -178,6 +292,7 @@ def test_nothing_to_draw_and_nothing_seen() -> None:
         ({"places": "corners"}, "a fit at 'corners'"),
         ({"fit": "smooth", "smoothness": float("nan")}, "smoothness is nan"),
         ({"fit": "smooth", "smoothness": -1.0}, "smoothness is -1"),
+        ({"fit": "c1", "jump": -1.0}, "jump is -1"),
     ],
 )
 def test_refused(settings: dict, message: str) -> None:
@@ -186,11 +301,12 @@ def test_refused(settings: dict, message: str) -> None:
         fit_colours(projected, six, **settings)
 
 
-def test_a_fit_that_does_not_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fit_that_does_not_end_says_so_and_is_no_worse(monkeypatch: pytest.MonkeyPatch) -> None:
     projected, six = seen()
-    monkeypatch.setattr(solve, "MOST_STEPS", 1)
-    with pytest.raises(QuadshadeError, match="no solution after 1 steps"):
-        fit_colours(projected, six, "smooth", material=SHARP)
+    monkeypatch.setattr(solve, "MOST_STEPS", 3)
+    fitted = fit_scene(projected, six, "smooth", material=SHARP)
+    assert len(fitted.notes) == 1 and "is drawn, not the best of all" in fitted.notes[0]
+    assert (errors(projected, fitted.triangles) ** 2).mean() < (errors(projected, six) ** 2).mean()
 
 
 def test_refuses_what_is_not_quadratic() -> None:

@@ -27,16 +27,23 @@ DEFAULT_SHADING = "quadratic"
 DEFAULT_SIZE = "512x512"
 ADAPTIVE_SHADINGS = ("quadratic", "quadratic-specular")
 
-FITS = ("six-point", "least-squares", "minimax", "smooth")
+FITS = ("six-point", "least-squares", "minimax", "smooth", "c1")
 """
 ``six-point``      the quadratic through six samples: the default
 ``least-squares``  the least squared error over the picture, neighbours meeting in value
 ``minimax``        a small largest error
 ``smooth``         least squares of the error and of the derivative's jumps across edges
+``c1``             least squares without jumps: triangles are split where one could be seen
 """
+
+SPECULAR_FITS = FITS[:3]
+"""Fits of cosines, for the power at the pixel."""
 
 SMOOTHNESS = 30.0
 """Default weight of the jumps, ``smooth``, in pixels."""
+
+JUMP = 0.02
+"""Default jump of the derivative that may stay, ``c1``, in grey levels per pixel."""
 
 SUPERSAMPLES = (1, 2, 4)
 """Frames along each side of a pixel that a picture may be the mean of."""

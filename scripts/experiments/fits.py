@@ -13,20 +13,21 @@ from pathlib import Path
 import click
 import numpy as np
 
-from quadshade.choices import FITS
+from quadshade.choices import JUMP, SPECULAR_FITS
 from quadshade.contract.formats import Formats
-from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.files.markdown import markdown_table
-from quadshade.fit import PLACES, fit_colours
-from quadshade.scene import load_scene, parse_camera, project
+from quadshade.fit import PLACES, Fitted, fit_colours, fit_scene
+from quadshade.scene import Projected, load_scene, parse_camera, project
+from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.shading import Material, sample
-from quadshade.shading.reference import phong, polynomial
+from quadshade.shading import Material, default_lights, sample, sample_specular, specular_formats
+from quadshade.shading.reference import phong, phong_at, polynomial
 from scripts.experiments.continuity.mach_bands import jumps
 from scripts.experiments.report_writer import (
     LICENCE,
     REPORTS,
+    ROOT,
     command_line,
     output_option,
     paragraph,
@@ -40,60 +41,106 @@ SCENES = {
     "sphere:374": "from=0,0,1,ortho=1.05",
     "sphere:690": "from=0,0,1,ortho=1.05",
     "torus:288": "from=0,0,1",
+    "pawn.obj": "",
+    "part.stl": "",
+    "knot.glb": "",
 }
+"""Cameras; what has an ending is in ``examples``."""
 EXPONENTS = (5.0, 50.0)
-SMOOTHNESSES = (3.0, 30.0, 300.0)
+SMOOTHNESSES = (30.0, 300.0, 3e3, 3e4, 3e5)
+JUMPS = (0.0, JUMP, 0.3)
 LARGE = "sphere:317x317"
 REPEATS = 3
 
 
-def measured(projected, triangles: ScreenTriangles, material: Material) -> dict[str, float]:
-    """Errors of what the golden model draws, in grey levels, and the jump of the derivative."""
-    pixels = draw(triangles, Formats(), "model").pixels
-    exact = np.rint(phong(projected, pixels.triangle, pixels.x, pixels.y, material=material))
+def ways() -> list[tuple[str, dict]]:
+    """Fits of colours, with their settings."""
+    return [
+        ("six-point", {}),
+        ("least-squares", {"places": "pixels"}),
+        ("least-squares", {"places": "points"}),
+        ("minimax", {"places": "pixels"}),
+        *(("smooth", {"smoothness": weight}) for weight in SMOOTHNESSES),
+        *(("c1", {"jump": jump}) for jump in JUMPS),
+    ]
+
+
+def measured(projected: Projected, fitted: Fitted, material: Material, formats: Formats) -> dict[str, float]:
+    """Errors of what the golden model draws, in grey levels, and its words."""
+    drawing = draw(fitted.triangles, formats, "model")
+    pixels = drawing.pixels
+    exact = np.rint(phong(projected, fitted.parent[pixels.triangle], pixels.x, pixels.y, material=material))
     error = pixels.value - exact
+    return {
+        "psnr": round(float(10 * np.log10(255**2 / (error**2).mean())), 2),
+        "largest": float(np.abs(error).max()),
+        "triangles": len(fitted.triangles),
+        "words": drawing.stats["words"],
+    }
+
+
+def colour_jump(fitted: Fitted) -> float:
+    """Root mean square jump of the derivative of red."""
+    triangles = fitted.triangles
 
     def shade(owner: np.ndarray, weights: np.ndarray) -> np.ndarray:
         return polynomial(triangles.samples[owner, :1], triangles.orders[owner, :1], weights)[:, 0]
 
-    return {
-        "psnr": round(float(10 * np.log10(255**2 / (error**2).mean())), 2),
-        "largest": float(np.abs(error).max()),
-        "jump": round(jumps(projected, shade)["rms"], 4),
-    }
+    return round(jumps(fitted.projected, shade)["rms"], 4)
 
 
-def accuracy(size: int) -> list[dict]:
-    """A row a scene, exponent and fit."""
-    rows = []
+def phong_jump(projected: Projected, material: Material) -> float:
+    """The same of Phong shading itself."""
+    lights, formats = default_lights(projected.axes), Formats()
+
+    def shade(owner: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        return phong_at(projected, owner, weights, lights, material, formats)[:, 0]
+
+    return round(jumps(projected, shade)["rms"], 4)
+
+
+def accuracy(size: int) -> tuple[list[dict], list[dict]]:
+    """A row a scene, exponent and fit: of colours, and of cosines."""
+    rows, cosines = [], []
     for scene, camera in SCENES.items():
-        mesh = load_scene(scene)
+        mesh = load_scene(str(ROOT / "examples" / scene) if "." in scene else scene)
         projected = project(mesh, parse_camera(camera, mesh), size, size)
         for exponent in EXPONENTS:
-            material = Material(exponent=exponent)
+            material, about = Material(exponent=exponent), {"scene": scene, "exponent": exponent}
             six = sample(projected, material=material)
-            ways = [(fit, {"places": "pixels"}) for fit in FITS if fit != "smooth"]
-            ways.insert(2, ("least-squares", {"places": "points"}))
-            ways += [("smooth", {"smoothness": weight}) for weight in SMOOTHNESSES]
-            for fit, settings in ways:
-                fitted = fit_colours(projected, six, fit, material=material, **settings)
-                name = fit if fit == FITS[0] else f"{fit}, {' '.join(map(str, settings.values()))}"
-                rows.append({"scene": scene, "exponent": exponent, "fit": name})
-                rows[-1] |= measured(projected, fitted, material)
-    return rows
+            for fit, settings in ways():
+                fitted = fit_scene(projected, six, fit, material=material, **settings)
+                shown = (value if isinstance(value, str) else f"{value:g}" for value in settings.values())
+                name = ", ".join([fit, *shown])
+                rows.append(about | {"fit": name, "jump": colour_jump(fitted)})
+                rows[-1] |= measured(projected, fitted, material, Formats())
+            rows.append(about | {"fit": "Phong shading", "jump": phong_jump(projected, material)})
+            if mesh.colours is not None:
+                continue
+            formats = specular_formats({}, projected, None, material)
+            six = sample_specular(projected, material=material, formats=formats)
+            for fit in SPECULAR_FITS:
+                fitted = fit_scene(projected, six, fit, material=material, formats=formats)
+                cosines.append(about | {"fit": fit} | measured(projected, fitted, material, formats))
+    return rows, cosines
 
 
 def host_time(scene: str) -> list[dict]:
     """Processor time of each fit as a ratio to sampling and setting up six points, least of some runs."""
     mesh = load_scene(scene)
-    projected = project(mesh, parse_camera("from=0,0,1", mesh), 1024, 1024)
-    material, formats = Material(exponent=50.0), Formats()
+    camera, formats = parse_camera("from=0,0,1", mesh), Formats()
+    projected = project(mesh, camera, 1024, 1024, formats)
+    material = Material(exponent=50.0)
     six = sample(projected, material=material)
 
-    def path() -> None:
+    def shade_and_set_up() -> None:
         setup_triangles(sample(projected, material=material), formats)
 
-    jobs = {"six points, sampled and set up": path}
+    def whole() -> None:
+        seen = project(mesh, camera, 1024, 1024, formats)
+        pack(setup_triangles(sample(seen, material=material), formats), formats)
+
+    jobs = {"six points, sampled and set up": shade_and_set_up, "six points, from mesh to words": whole}
     for places in PLACES:
         jobs[f"least-squares, {places}"] = lambda places=places: fit_colours(
             projected, six, "least-squares", material=material, places=places
@@ -118,19 +165,29 @@ def report(results: dict) -> str:
             row["scene"],
             f"{row['exponent']:g}",
             row["fit"],
-            f"{row['psnr']:.1f}",
-            f"{row['largest']:g}",
+            f"{row['psnr']:.1f}" if "psnr" in row else "",
+            f"{row['largest']:g}" if "psnr" in row else "",
             f"{row['jump']:.3f}",
+            row.get("triangles", ""),
+            row.get("words", ""),
         )
         for row in results["rows"]
     ]
-    header = ("scene", "exponent", "fit", "PSNR, dB", "largest error", "RMS jump")
+    header = ("scene", "exponent", "fit", "PSNR, dB", "largest error", "RMS jump", "triangles", "words")
+    powers = [
+        (row["scene"], f"{row['exponent']:g}", row["fit"], f"{row['psnr']:.1f}", f"{row['largest']:g}")
+        for row in results["cosines"]
+    ]
     about = f"""
     Written by `{results["command"]}` (`make fits`): {results["size"]}x{results["size"]} pixels, 8 bits,
     default lights, quadratic colours, drawn by the golden model; errors in grey levels against rounded Phong
-    shading of the same mesh, over every pixel drawn. The words, bytes and clocks of a triangle are those of
-    six points. *Jump* is that of the colour's derivative across shared edges, in grey levels per pixel, in
-    float. Places and weights stand behind the fit's name; [fit](../explanation/fit.md) explains them.
+    shading of the same mesh, over every pixel drawn. *Jump* is that of red's derivative across shared
+    edges, in grey levels per pixel, in float, of edges whose normals lie within 60 degrees of the viewer;
+    *triangles* and *words* are those that are sent. Behind a fit's name stand where its error is taken, its
+    smoothness (pixels) or its jump (grey levels per pixel); [fit](../explanation/fit.md) explains them.
+    """
+    power = """
+    The same with `--shading quadratic-specular`: cosines are interpolated, the power is taken at the pixel.
     """
     speed = """
     Processor time of a fit, as a ratio to sampling six points and setting the triangles up, both in one run,
@@ -142,6 +199,9 @@ def report(results: dict) -> str:
             f"{LICENCE}\n# Fits",
             paragraph(about),
             markdown_table(header, cells),
+            "## The power at the pixel",
+            paragraph(power),
+            markdown_table(header[:5], powers),
             "## Time",
             paragraph(speed),
             markdown_table(("what", "triangles", "ratio"), ratios) + "\n",
@@ -156,7 +216,8 @@ def report(results: dict) -> str:
 @one_line_errors(REPORT.stem)
 def main(size: int, large: str, output: Path) -> None:
     command = command_line("fits", size=size, large=large)
-    results = {"command": command, "size": size, "rows": accuracy(size), "times": host_time(large)}
+    rows, cosines = accuracy(size)
+    results = {"command": command, "size": size, "rows": rows, "cosines": cosines, "times": host_time(large)}
     write_report(output, report(results))
     click.echo(f"{output}: {len(results['rows'])} rows")
 

@@ -9,6 +9,7 @@ from quadshade.choices import (
     DEFAULT_SHADING,
     DEFAULT_SIZE,
     FITS,
+    JUMP,
     MAX_ERROR,
     MEASURES,
     PACK_ERROR,
@@ -157,7 +158,8 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
             default=FITS[0],
             show_default=True,
             help="Which quadratic a triangle gets: through six samples, the best for the squared or the "
-            "largest error over the whole picture, or one with smaller jumps of the derivative across edges.",
+            "largest error over the whole picture, with smaller jumps of the derivative across edges, or "
+            "without, in parts where a jump could be seen (c1).",
         ),
         option(
             "Shading",
@@ -165,6 +167,14 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
             type=float,
             metavar="PIXELS",
             help=f"Weight of jumps against errors, with --fit smooth.  [default: {SMOOTHNESS:g}]",
+        ),
+        option(
+            "Shading",
+            "--jump",
+            type=float,
+            metavar="LEVELS",
+            help="Jump of the derivative across an edge that may stay, with --fit c1, in grey levels per "
+            f"pixel.  [default: {JUMP:g}]",
         ),
     ]
 

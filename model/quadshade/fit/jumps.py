@@ -3,20 +3,48 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import sparse
 
-from quadshade.contract.arrays import Floats, Ints
+from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import Formats
-from quadshade.fit.elements import ENDS, Elements
+from quadshade.fit.elements import ENDS, Elements, neighbours_of
 
 ALONG = (np.arange(8) + 0.5) / 8
 """Where along an edge the derivative is compared."""
 
 
-def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse.csr_array:
+@dataclass(frozen=True)
+class Jumps:
     """
-    Squared jumps of the normal derivative, integrated along the edges that two triangles share.
+    Jumps of the normal derivative at ``ALONG`` of each edge that two triangles share, one on each side.
+
+    Attributes
+    ----------
+    triangle, side : (e, 2) int64
+      Triangles on both sides, and which of their edges 12, 13, 23 it is.
+    length : (e,) float64
+      Pixels.
+    matrix : (e * len(ALONG), m) sparse
+      Jumps from unknowns, in output units per pixel.
+    """
+
+    triangle: Ints
+    side: Ints
+    length: Floats
+    matrix: sparse.csr_array
+
+    def of_edges(self, values: Floats) -> Floats:
+        """(e,) the root of the mean squared jump of each edge, of the channel where it is largest."""
+        jump = (self.matrix @ values).reshape(len(self.length), len(ALONG), values.shape[1])
+        return np.sqrt((jump**2).mean(axis=1)).max(axis=1, initial=0.0)
+
+
+def jumps_of(elements: Elements, vertices: Ints, formats: Formats, wanted: Bools | None = None) -> Jumps:
+    """
+    Jumps as a linear function of the unknowns.
 
     Parameters
     ----------
@@ -24,22 +52,22 @@ def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse
     vertices : (n, 3, 2) int64
       Sub-pixels.
     formats : Formats
+    wanted : (n, 3) bool, optional
+      Edges 12, 13, 23 that are asked for; by default all.
 
     Returns
     -------
-    (m, m) sparse
-      Times unknowns from both sides: the sum over edges of length times mean squared jump, in output units
-      squared per pixel.
+    Jumps
     """
-    triangle, side = _shared_edges(elements)
+    pairs = neighbours_of(elements, vertices).pairs
+    if wanted is not None:
+        pairs = pairs[wanted[pairs[:, 0, 0], pairs[:, 0, 1]]]
+    triangle, side = np.moveaxis(pairs, 2, 0)
     place = vertices / 2.0**formats.subpixel_bits
     corners = ENDS[side]
     ends = place[triangle[:, 0, None], corners[:, 0]]
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
-    # Two corners on one sub-pixel have no edge between them.
-    keep = length > 0
-    triangle, ends, along, length = triangle[keep], ends[keep], along[keep], length[keep]
     across = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
     # One row of the matrix a place: the slope on one side less that on the other.
     entries = np.zeros((len(length), len(ALONG), 2, 6))
@@ -50,19 +78,28 @@ def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse
     columns = np.repeat(elements.index[triangle][:, None], len(ALONG), axis=1)
     starts = np.arange(0, entries.size + 1, 12)
     shape = (len(starts) - 1, len(elements.start))
-    jump = sparse.csr_array((entries.reshape(-1), columns.reshape(-1), starts), shape=shape)
-    weight = sparse.diags_array(np.repeat(length / len(ALONG), len(ALONG)))
-    return sparse.csr_array(jump.T @ weight @ jump)
+    matrix = sparse.csr_array((entries.reshape(-1), columns.reshape(-1), starts), shape=shape)
+    return Jumps(triangle, side, length, matrix)
 
 
-def _shared_edges(elements: Elements) -> tuple[Ints, Ints]:
-    """(e, 2) triangles on both sides of edges that exactly two share, and (e, 2) which edge it is."""
-    middles = elements.index[:, 3:].reshape(-1)
-    order = np.argsort(middles, kind="stable")
-    counts = np.bincount(middles, minlength=len(elements.start))
-    first = (np.cumsum(counts) - counts)[counts == 2]
-    pairs = np.stack([order[first], order[first + 1]], axis=1)
-    return pairs // 3, pairs % 3
+def jump_penalty(elements: Elements, vertices: Ints, formats: Formats) -> sparse.csr_array:
+    """
+    Squared jumps of the normal derivative, integrated along the edges that two triangles share.
+
+    Parameters
+    ----------
+    elements, vertices, formats
+      As for :func:`jumps_of`.
+
+    Returns
+    -------
+    (m, m) sparse
+      Times unknowns from both sides: the sum over edges of length times mean squared jump, in output units
+      squared per pixel.
+    """
+    jumps = jumps_of(elements, vertices, formats)
+    weight = sparse.diags_array(np.repeat(jumps.length / len(ALONG), len(ALONG)))
+    return sparse.csr_array(jumps.matrix.T @ weight @ jumps.matrix)
 
 
 def _slopes(corners: Floats, point: Floats, across: Floats) -> Floats:

@@ -2,29 +2,29 @@
 """
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
-The matrix is symmetric and positive definite, and is kept as a block of 6 x 6 numbers a triangle. The steps
-begin at the six points and are scaled by the diagonal.
+The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle, and what is
+added to it as a sparse matrix. The steps begin at the six points and are scaled by the diagonal. Over a
+triangle's area such a matrix is well conditioned whatever the mesh: some ten steps do.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, cg
+from scipy.sparse.linalg import splu
 
 from quadshade.contract.arrays import Bools, Floats, Ints
-from quadshade.errors import QuadshadeError
 from quadshade.fit.elements import Elements
 from quadshade.fit.places import Places
 
 HOLD = 1e-3
 """Pixels that speak for a six-point value: what no place sees stays as it was sampled."""
 
-TOLERANCE = 1e-5
+TOLERANCE = 1e-2
 """Of the residual that the six points leave."""
 MOST_STEPS = 2000
 ROUNDS = 8
@@ -48,17 +48,63 @@ class Normal:
     right: Floats
 
 
-def normal_equations(count: int, places: Places, shape: Floats, target: Floats, weight: Floats) -> Normal:
+@dataclass(frozen=True)
+class Solution:
+    """
+    Values, and whether the steps came to their end.
+
+    Attributes
+    ----------
+    values : (m, c) float64
+    ended : bool
+      Else they are the best after ``MOST_STEPS``, which is no worse than where the steps began.
+    """
+
+    values: Floats
+    ended: bool
+
+
+class System(NamedTuple):
+    """
+    A symmetric matrix: blocks of triangles (n, 6, 6) at unknowns (n, 6), a sparse one, and a diagonal.
+
+    Attributes
+    ----------
+    block, unknown : (n, 6, 6) float64, (n, 6) int64
+    starts, columns, entries
+      Rows of the sparse matrix, as in SciPy's CSR; none where ``starts`` is [0].
+    hold : float
+      On the diagonal.
+    """
+
+    block: Floats
+    unknown: Ints
+    starts: Ints
+    columns: Ints
+    entries: Floats
+    hold: float
+
+
+def _system(block: Floats, unknown: Ints, matrix: sparse.csr_array | None, hold: float) -> System:
+    """Blocks, and a sparse matrix if there is one."""
+    if matrix is None:
+        return System(block, unknown, np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0), hold)
+    starts, columns = matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
+    return System(block, unknown, starts, columns, matrix.data, hold)
+
+
+def normal_equations(
+    elements: Elements, beyond: Floats, places: Places, target: Floats, weight: Floats
+) -> Normal:
     """
     Sum over places, triangle by triangle.
 
     Parameters
     ----------
-    count : int
-      Triangles.
+    elements : Elements
+    beyond : (n,) float64
+      Weight of each of a triangle's six points.
     places : Places
-    shape : (p, 6) float64
-      Shape functions at the places.
     target : (p, c) float64
     weight : (p,) float64
       Of each place's squared error.
@@ -67,18 +113,22 @@ def normal_equations(count: int, places: Places, shape: Floats, target: Floats, 
     -------
     Normal
     """
+    count = len(elements.index)
     block, right = np.zeros((count, 6, 6)), np.zeros((count, 6, target.shape[1]))
-    _add_up(places.triangle, shape, target, weight, block, right)
+    _add_six(elements.index, elements.start, beyond, block, right)
+    _add_up(places.triangle, places.weights, target, weight, block, right)
     return Normal(block, right)
 
 
 def least_squares(
     elements: Elements,
     normal: Normal,
+    lowest: float,
     largest: float,
     penalty: sparse.csr_array | None = None,
     begin: Floats | None = None,
-) -> Floats:
+    tolerance: float = TOLERANCE,
+) -> Solution:
     """
     Solve for the unknowns.
 
@@ -86,112 +136,195 @@ def least_squares(
     ----------
     elements : Elements
     normal : Normal
-    largest : float
-      No value is below 0 or above this.
+    lowest, largest : float
+      No value is outside. A clamped solution would be no least one: its neighbours have counted on the value
+      that it lost. So what leaves the range is held at its border, and the others are solved for again.
     penalty : (m, m) sparse, optional
       A quadratic form of the unknowns that is to be small as well.
     begin : (m, c) float64, optional
       Where the steps begin; by default the six points.
+    tolerance : float
+      Of the residual there.
 
     Returns
     -------
-    (m, c) float64
-
-    Raises
-    ------
-    QuadshadeError
-      The steps do not end.
+    Solution
     """
     start, index = elements.start, elements.index
-    count = len(start)
-    begin = start if begin is None else begin
-    diagonal = np.full(count, HOLD)
-    np.add.at(diagonal, index, np.einsum("nii->ni", normal.block))
+    right = HOLD * start
+    _scatter(index, normal.right, right)
+    diagonal = np.full(len(start), HOLD)
+    _scatter(index, np.ascontiguousarray(np.einsum("nii->ni", normal.block))[:, :, None], diagonal[:, None])
     if penalty is not None:
         diagonal += penalty.diagonal()
-    right = HOLD * start
-    np.add.at(right, index, normal.right)
-
-    found = np.empty_like(start)
-    for channel in range(start.shape[1]):
-        found[:, channel] = _bounded(
-            lambda vector: _times(normal.block, index, penalty, vector),
-            diagonal,
-            right[:, channel],
-            begin[:, channel],
-            largest,
-        )
-    # Numbers that are none leave the six points.
-    return np.where(np.isfinite(found), found, start)
-
-
-def _times(block: Floats, index: Ints, penalty: sparse.csr_array | None, vector: Floats) -> Floats:
-    """The matrix times a vector of unknowns."""
-    product = HOLD * vector
-    _multiply(block, index, vector, product)
-    return product if penalty is None else product + penalty @ vector
-
-
-def _bounded(
-    times: Callable[[Floats], Floats],
-    diagonal: Floats,
-    right: Floats,
-    begin: Floats,
-    largest: float,
-) -> Floats:
-    """
-    Solve for unknowns of 0 .. ``largest``: those that leave the range stay at its border, the others go on.
-
-    A clamped solution would be no least one: its neighbours have counted on the value that it lost.
-    """
-    free = np.ones(len(begin), dtype=bool)
-    values = np.clip(begin, 0, largest)
+    system = _system(normal.block, index, penalty, HOLD)
+    goal = np.ascontiguousarray(right.T)
+    values = np.ascontiguousarray(np.clip(start if begin is None else begin, lowest, largest).T)
+    free, ended = np.ones(values.shape, dtype=bool), True
     for _ in range(ROUNDS):
-        missing = np.where(free, right - times(values), 0.0)
-
-        def matvec(vector: Floats, free: Bools = free) -> Floats:
-            inside = np.where(free, vector.reshape(-1), 0.0)
-            return np.where(free, times(inside), vector.reshape(-1))
-
-        shape = (len(begin), len(begin))
-        matrix = LinearOperator(shape, matvec=matvec, dtype=np.float64)
-        jacobi = LinearOperator(shape, matvec=lambda vector: vector / diagonal, dtype=np.float64)
-        change, unfinished = cg(matrix, missing, rtol=TOLERANCE, maxiter=MOST_STEPS, M=jacobi)
-        if unfinished:
-            raise QuadshadeError(
-                f"the fit has no solution after {MOST_STEPS} steps",
-                "give a smaller --smoothness, or another --fit",
-            )
-        solved = values + np.where(free, change, 0.0)
-        values = np.clip(solved, 0, largest)
+        solved = values.copy()
+        ended = bool(_steps(system, diagonal, goal, free, solved, tolerance, MOST_STEPS))
+        values = np.clip(solved, lowest, largest)
         outside = free & (values != solved)
         if not outside.any():
             break
         free &= ~outside
-    return values
+    # Numbers that are none leave the six points.
+    return Solution(np.where(np.isfinite(values.T), values.T, start), ended)
+
+
+def solved_directly(matrix: sparse.csr_array, right: Floats, begin: Floats) -> Solution:
+    """
+    Solve a sparse, symmetric, positive definite system of any condition; unknowns that nothing asks for stay.
+
+    Parameters
+    ----------
+    matrix : (m, m) sparse
+    right, begin : (m, c) float64
+
+    Returns
+    -------
+    Solution
+    """
+    idle = matrix.diagonal() <= 0
+    full = sparse.csr_array(matrix + sparse.diags_array(idle.astype(np.float64)))
+    goal = np.where(idle[:, None], begin, right)
+    try:
+        factors = splu(
+            sparse.csc_array(full),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        values = factors.solve(goal)
+    except RuntimeError:
+        # What rounding has made singular has many solutions: the steps go to one of them.
+        values = np.full_like(begin, np.nan)
+    if np.isfinite(values).all():
+        return Solution(values, True)
+    system = _system(np.zeros((0, 6, 6)), np.zeros((0, 6), np.int64), full, 0.0)
+    steps = np.ascontiguousarray(begin.T)
+    free = np.ones(steps.shape, dtype=bool)
+    aim = np.ascontiguousarray(goal.T)
+    ended = bool(_steps(system, full.diagonal(), aim, free, steps, TOLERANCE, MOST_STEPS))
+    return Solution(steps.T, ended)
+
+
+@njit(cache=True)
+def _add_six(index: Ints, start: Floats, beyond: Floats, block: Floats, right: Floats) -> None:
+    """Let triangles' six points count."""
+    for triangle in range(len(index)):
+        for row in range(6):
+            block[triangle, row, row] += beyond[triangle]
+            for channel in range(start.shape[1]):
+                right[triangle, row, channel] += beyond[triangle] * start[index[triangle, row], channel]
 
 
 @njit(cache=True)
 def _add_up(
-    triangle: Ints, shape: Floats, target: Floats, weight: Floats, block: Floats, right: Floats
+    triangle: Ints, weights: Floats, target: Floats, weight: Floats, block: Floats, right: Floats
 ) -> None:
     """Add every place to the block and the right side of its triangle."""
+    shape = np.empty(6)
+    channels = target.shape[1]
     for place in range(len(triangle)):
         owner, share = triangle[place], weight[place]
+        one, two, three = weights[place, 0], weights[place, 1], weights[place, 2]
+        shape[0], shape[1], shape[2] = one * (2 * one - 1), two * (2 * two - 1), three * (2 * three - 1)
+        shape[3], shape[4], shape[5] = 4 * one * two, 4 * one * three, 4 * two * three
         for row in range(6):
-            here = share * shape[place, row]
-            for column in range(6):
-                block[owner, row, column] += here * shape[place, column]
-            for channel in range(target.shape[1]):
+            here = share * shape[row]
+            for column in range(row + 1):
+                block[owner, row, column] += here * shape[column]
+            for channel in range(channels):
                 right[owner, row, channel] += here * target[place, channel]
+    for owner in range(len(block)):
+        for row in range(6):
+            for column in range(row + 1, 6):
+                block[owner, row, column] = block[owner, column, row]
 
 
 @njit(cache=True)
-def _multiply(block: Floats, index: Ints, vector: Floats, product: Floats) -> None:
-    """Add the blocks times a vector of unknowns to ``product``."""
+def _scatter(index: Ints, local: Floats, out: Floats) -> None:
+    """Add what triangles have (n, 6, c) to their unknowns (m, c)."""
     for triangle in range(len(index)):
         for row in range(6):
-            total = 0.0
-            for column in range(6):
-                total += block[triangle, row, column] * vector[index[triangle, column]]
-            product[index[triangle, row]] += total
+            for channel in range(out.shape[1]):
+                out[index[triangle, row], channel] += local[triangle, row, channel]
+
+
+@njit(cache=True)
+def _times(system: System, vectors: Floats, out: Floats) -> None:
+    """The matrix times vectors (c, m)."""
+    block, index, starts, columns, entries, hold = system
+    for channel in range(len(vectors)):
+        for row in range(vectors.shape[1]):
+            out[channel, row] = hold * vectors[channel, row]
+        for row in range(len(starts) - 1):
+            for at in range(starts[row], starts[row + 1]):
+                out[channel, row] += entries[at] * vectors[channel, columns[at]]
+    # A block is read once for all channels: it is the memory that takes the time.
+    for triangle in range(len(index)):
+        own = index[triangle]
+        for channel in range(len(vectors)):
+            v, o = vectors[channel], out[channel]
+            one, two, three = v[own[0]], v[own[1]], v[own[2]]
+            four, five, six = v[own[3]], v[own[4]], v[own[5]]
+            for row in range(6):
+                b = block[triangle, row]
+                total = b[0] * one + b[1] * two + b[2] * three + b[3] * four + b[4] * five + b[5] * six
+                o[own[row]] += total
+
+
+@njit(cache=True)
+def _steps(
+    system: System,
+    diagonal: Floats,
+    right: Floats,
+    free: Bools,
+    values: Floats,
+    tolerance: float,
+    most: int,
+) -> bool:
+    """
+    Conjugate gradients for channels (c, m), in place; what is not free stays. Whether they came to an end.
+
+    Hestenes and Stiefel (1952), scaled by the diagonal.
+    """
+    channels, count = values.shape
+    rest, ahead, product = np.empty_like(values), np.zeros_like(values), np.empty_like(values)
+    scaled, enough, old = np.empty(count), np.zeros(channels), np.zeros(channels)
+    _times(system, values, product)
+    for channel in range(channels):
+        for row in range(count):
+            rest[channel, row] = (right[channel, row] - product[channel, row]) * free[channel, row]
+        enough[channel] = tolerance**2 * np.dot(rest[channel], rest[channel])
+    for _ in range(most):
+        ready = True
+        for channel in range(channels):
+            own = rest[channel]
+            # A channel that is ready, or is no number, stays where it is.
+            if not np.dot(own, own) > enough[channel]:
+                ahead[channel] = 0.0
+                continue
+            ready = False
+            for row in range(count):
+                scaled[row] = own[row] / diagonal[row]
+            new = np.dot(own, scaled)
+            turn = new / old[channel] if old[channel] > 0 else 0.0
+            for row in range(count):
+                ahead[channel, row] = scaled[row] + turn * ahead[channel, row]
+            old[channel] = new
+        if ready:
+            return True
+        _times(system, ahead, product)
+        for channel in range(channels):
+            for row in range(count):
+                product[channel, row] *= free[channel, row]
+            along = np.dot(ahead[channel], product[channel])
+            if along > 0:
+                stride = old[channel] / along
+                for row in range(count):
+                    values[channel, row] += stride * ahead[channel, row]
+                    rest[channel, row] -= stride * product[channel, row]
+    return False

@@ -35,6 +35,7 @@ def render(
     toon: int | None = None,
     fit: str = "six-point",
     smoothness: float | None = None,
+    jump: float | None = None,
     supersample: int = 1,
     reflectance: str | Reflectance | None = None,
     cull: bool = True,
@@ -92,10 +93,12 @@ def render(
     toon : int, optional
       Steps of diffuse light; needs a ``-specular`` shading.
     fit : str
-      ``six-point``, ``least-squares``, ``minimax`` or ``smooth``: which quadratic a triangle gets
+      ``six-point``, ``least-squares``, ``minimax``, ``smooth`` or ``c1``: which quadratic a triangle gets
       (``docs/explanation/fit.md``).
     smoothness : float, optional
       Weight of jumps against errors, in pixels, with ``smooth``; 30.
+    jump : float, optional
+      Jump of the derivative across an edge that may stay with ``c1``, in grey levels per pixel; 0.02.
     supersample : int
       1, 2 or 4, n: the picture is the mean of n x n pictures, each moved by a part of a pixel.
     reflectance : str or callable, optional

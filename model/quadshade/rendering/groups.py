@@ -70,6 +70,7 @@ class SceneChoice:
     generics: Mapping[str, int] | Sequence[str] | Formats = ()
     fit: str = FITS[0]
     smoothness: float | None = None
+    jump: float | None = None
     supersample: int = 1
 
     def __post_init__(self) -> None:
@@ -78,6 +79,8 @@ class SceneChoice:
         check_word("fit", self.fit, FITS)
         if self.smoothness is not None and self.fit != "smooth":
             raise QuadshadeError(f"a smoothness with the fit {self.fit}", "give --fit smooth")
+        if self.jump is not None and self.fit != "c1":
+            raise QuadshadeError(f"a jump with the fit {self.fit}", "give --fit c1")
         if self.supersample not in SUPERSAMPLES:
             raise QuadshadeError(
                 f"the supersample is {self.supersample}", f"give {', '.join(map(str, SUPERSAMPLES))}"

@@ -15,6 +15,7 @@ from quadshade.choices import (
     PHONG,
     SETUPS,
     SHADING_ORDERS,
+    SPECULAR_FITS,
     SPECULAR_ORDERS,
     STYLES,
 )
@@ -140,9 +141,7 @@ class RenderSettings:
         method = self.setup.setup
         if method != SETUPS[0] and not shading.startswith("quadratic"):
             raise QuadshadeError(f"--setup {method} is for quadratic channels, the shading is {shading}")
-        if scene.fit != FITS[0] and (shading != DEFAULT_SHADING or method != SETUPS[0]):
-            what = f"the shading {shading}" if shading != DEFAULT_SHADING else f"--setup {method}"
-            raise QuadshadeError(f"--fit {scene.fit} with {what}", "leave one of them out")
+        self._check_fit()
         if scene.toon is not None and shading not in SPECULAR_ORDERS:
             raise QuadshadeError(
                 f"--toon with the shading {shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
@@ -156,6 +155,22 @@ class RenderSettings:
     def gbuffer_formats(self) -> Formats:
         """Formats of the G-buffer's core: of the generics it takes three channels and no shade unit."""
         return Formats().with_generics({**self.scene.set_generics, "num_channels": 3, "with_shade": 0})
+
+    def _check_fit(self) -> None:
+        """Refuse a fit of what is not fitted."""
+        scene, shading, method = self.scene, self.scene.interpolation, self.setup.setup
+        if scene.fit == FITS[0]:
+            return
+        fitted = FITS if shading == DEFAULT_SHADING else SPECULAR_FITS
+        what = None
+        if scene.fit not in fitted or shading not in (DEFAULT_SHADING, "quadratic-specular"):
+            what = f"the shading {shading}"
+        elif method != SETUPS[0]:
+            what = f"--setup {method}"
+        elif scene.toon is not None:
+            what = "steps of a cartoon (--toon)"
+        if what is not None:
+            raise QuadshadeError(f"--fit {scene.fit} with {what}", "leave one of them out")
 
     def _check_adaptive(self) -> None:
         """Refuse a shading or set-up that leaves nothing to choose."""
@@ -256,7 +271,9 @@ def reference_settings(
     """
     kept = {name: generics[name] for name in COVERAGE_GENERICS}
     plain = RenderSettings(
-        replace(settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None),
+        replace(
+            settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None, jump=None
+        ),
         style=replace(settings.style, gbuffer=None),
         engine=EngineChoice("model"),
     )

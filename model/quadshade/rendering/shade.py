@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from quadshade.choices import (
     ADAPTIVE_SHADINGS,
     FITS,
+    JUMP,
     PHONG,
     SMOOTHNESS,
     SPECULAR_ORDERS,
@@ -192,7 +193,7 @@ def shade_scene(
                 choice.set_generics, projected, lights, surface, choice.toon is not None
             )
             triangles = sample_specular(projected, shading, lights, surface, fitted, x_shading, curves)
-            return Shaded(triangles, fitted, None)
+            return Shaded(_fitted(settings, shown, triangles, fitted, reports), fitted, None)
         except UnsuitedError as reason:
             shading = shading.removesuffix("-specular").replace("linear", "gouraud")
             steps = "" if choice.toon is None else ", without steps"
@@ -200,14 +201,37 @@ def shade_scene(
             reports.notice(f"drawn as {shading}{steps}: {reason}")
     order = "flat" if shading == PHONG else shading
     triangles = sample(projected, order, lights, surface, formats, x_shading)
-    if choice.fit != FITS[0]:
-        from quadshade.fit import fit_colours
-
-        smoothness = SMOOTHNESS if choice.smoothness is None else choice.smoothness
-        triangles = fit_colours(
-            projected, triangles, choice.fit, lights, surface, formats, smoothness=smoothness
-        )
+    triangles = _fitted(settings, shown, triangles, formats, reports)
     return Shaded(widened(triangles, formats.num_channels), formats, None)
+
+
+def _fitted(
+    settings: RenderSettings,
+    shown: ShownScene,
+    triangles: ScreenTriangles,
+    formats: Formats,
+    reports: Reports,
+) -> ScreenTriangles:
+    """What the fit makes of triangles at six points, and parts of them; its notes are notices."""
+    choice = settings.scene
+    if choice.fit == FITS[0]:
+        return triangles
+    from quadshade.fit import fit_scene
+
+    fitted = fit_scene(
+        shown.projected,
+        triangles,
+        choice.fit,
+        shown.lights,
+        shown.surface,
+        formats,
+        smoothness=SMOOTHNESS if choice.smoothness is None else choice.smoothness,
+        jump=JUMP if choice.jump is None else choice.jump,
+        moves=jitter(choice.supersample, formats),
+    )
+    for note in fitted.notes:
+        reports.notice(note)
+    return fitted.triangles
 
 
 def default_count(settings: RenderSettings, error: float | None = None) -> LineCount:
