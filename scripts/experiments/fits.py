@@ -184,7 +184,8 @@ def report(results: dict) -> str:
     shading of the same mesh, over every pixel drawn. *Jump* is that of red's derivative across shared
     edges, in grey levels per pixel, in float, of edges whose normals lie within 60 degrees of the viewer;
     *triangles* and *words* are those that are sent. Behind a fit's name stand where its error is taken, its
-    smoothness (pixels) or its jump (grey levels per pixel); [fit](../explanation/fit.md) explains them.
+    smoothness (pixels) or its jump (grey levels per pixel); [fit](../explanation/fit.md) explains them. With
+    the largest smoothness the solver's steps may end before the best is found (`pawn.obj`): a notice says so.
     """
     power = """
     The same with `--shading quadratic-specular`: cosines are interpolated, the power is taken at the pixel.
