@@ -149,7 +149,7 @@ async def compare(bench: Bench, source: str, sink: str, resets: Iterator[bool]) 
     while index < PRIMITIVES or stages.busy or stages.coming:
         if not offered and index < PRIMITIVES and next(offers):
             offered = True
-            fields = random_fields(formats, bench.rng)
+            fields = random_fields(formats, bench.rng, sized=0.8)
             for port in PORTS:
                 getattr(dut, port).value = fields[port.removeprefix("setup_")]
         enable, reset = next(enables), next(resets)

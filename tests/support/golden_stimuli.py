@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from quadshade.contract.formats import DIFFERENCES_OF_ORDER, QUADRATIC, SETUP_WORD_BITS, Formats
+from quadshade.contract.formats import DIFFERENCES_OF_ORDER, EDGES, QUADRATIC, SETUP_WORD_BITS, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.core.edge_dda import EdgeDda, signed
 from quadshade.golden.core.setup_loader import built_order
@@ -67,19 +67,45 @@ def triangle_words(formats: Formats, rng: np.random.Generator, count: int, size:
     return np.concatenate([pack(plain, formats), pack(fractional, formats)])
 
 
-def random_fields(formats: Formats, rng: np.random.Generator) -> dict[str, int]:
-    """Raw packet fields with no sense in them but that the walk stays short."""
+def _edge_of_some_size(formats: Formats, rng: np.random.Generator) -> dict[str, int]:
+    """
+    Error, increment and decrement of so many bits that every one of them decides on a carry.
+
+    Of words of all bits the lowest matter in one scanline of millions.
+    """
+    bits = int(rng.integers(1, formats.edge_bits + 1))
+    size = 1 << bits
+    error, increment, decrement = rng.integers(0, size, 3).tolist()
+    mask = (1 << formats.error_bits) - 1
+    return {"error": (error - size // 2) & mask, "increment": increment, "decrement": -(decrement + 1) & mask}
+
+
+def random_fields(formats: Formats, rng: np.random.Generator, sized: float = 0) -> dict[str, int]:
+    """
+    Raw packet fields with no sense in them but that the walk stays short.
+
+    Parameters
+    ----------
+    formats : Formats
+    rng : numpy Generator
+    sized : float
+      Share of the edges whose remainders have a random number of bits, not all.
+    """
     layout = formats.section("edge") | formats.section("second")
     fields = {
         name: int.from_bytes(rng.bytes(8), "little") & ((1 << width) - 1)
         for name, (_, width) in layout.items()
     }
+    for edge in EDGES:
+        if sized and rng.random() < sized:
+            small = _edge_of_some_size(formats, rng)
+            fields |= {f"{edge}_{name}": word for name, word in small.items()}
     mask = (1 << formats.column_bits) - 1
     for name in ("rows_first", "rows_second"):
         fields[name] = int(rng.integers(-3, 6)) & mask
     if formats.coord_bits <= WILD_COORD_BITS and rng.random() < 0.25:
         return fields
-    for edge in ("major", "minor", "second"):
+    for edge in EDGES:
         fields[f"{edge}_step"] = int(rng.integers(-2, 2)) & mask
     major = EdgeDda(fields, "major", formats)
     fields["minor_column"] = (major.column + int(rng.integers(-2, 9))) & mask
