@@ -60,6 +60,10 @@ test-netlist: setup ## run the cocotb tests on GHDL's netlist, some with unknown
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 
+.PHONY: coverage
+coverage: setup ## statements, branches and stimuli that the benches reach; writes docs/reports/coverage.md
+	@$(VENV) -m scripts.coverage --jobs $(JOBS)
+
 .PHONY: lint
 lint: setup ## check style, file hygiene, generated files and that the RTL analyses and synthesises
 	@$(PYTEST) -q tests/test_lint.py

@@ -31,6 +31,8 @@ CONFIGS = [
     Config(word_width=40, frac_bits=28),
     Config(word_width=40, frac_bits=28, stream_width=128),
     Config(num_channels=2, max_order=0),
+    # Depth, of order 1, shares its beats with the last of these channels.
+    Config(num_channels=3, max_order=0, stream_width=128),
     Config(num_channels=1, max_order=1, with_depth=0, stream_width=64),
     # A whole edge section in a single beat.
     Config(num_channels=4, max_order=0, subpixel_bits=0, coord_bits=3, stream_width=128),

@@ -4,19 +4,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import cycle, product
 from typing import Any
 
 import cocotb
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.cover import Cover
 from cocotb_tests.support.link_limits import limits, limits_of_fields
 from cocotb_tests.support.link_stimuli import body_of, good_payload, random_body
 from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.protocol import CRC_BYTES, EDGE_BYTES, Opcode, Reason
+from quadshade.contract.protocol import CRC_BYTES, EDGE_BYTES, Opcode, Reason, pack_payload
 from quadshade.golden.link.frame_receiver import FrameReceiver, Reach, Verdict
+from quadshade.link.frames import sealed
 
 COUNTS = {
     "frames": "count_frame",
@@ -70,6 +72,50 @@ def test_frame_receiver(config: Config) -> None:
     simulate("frame_receiver", config)
 
 
+REQUESTS = [opcode for opcode in Opcode if not opcode.is_answer]
+FAULTS = {
+    "frames": "none",
+    "": "none",
+    "bad_cobs": "damaged",
+    "bad_crc": "wrong CRC",
+    "bad_length": "wrong length",
+    "refused": "wrong field",
+    "overruns": "no room",
+    "duplicates": "sent again",
+}
+"""By the counter that goes up."""
+
+ORDER_FAULTS = ("no room", "sent again", "gap goes on", "out of order")
+LINK_BINS = {
+    "state": ("in order", "behind a gap"),
+    "request": tuple(opcode.name for opcode in REQUESTS),
+    "fault": ("none", "damaged", "wrong CRC", "wrong length", "wrong field", *ORDER_FAULTS),
+}
+LINK_IMPOSSIBLE = (
+    (
+        "it is answered at once, whatever its number",
+        {"request": [one.name for one in REQUESTS if not one.is_sequenced], "fault": ORDER_FAULTS},
+    ),
+    (
+        "every value of its fields is allowed",
+        {
+            "request": [one.name for one in REQUESTS if one.name not in ("READ", "FRAME_CRC", "BAUD")],
+            "fault": ["wrong field"],
+        },
+    ),
+    ("the next number in order is no gap", {"state": ["in order"], "fault": ["gap goes on"]}),
+)
+
+
+def fault_of(said: Verdict) -> str:
+    """What was wrong with a frame; nothing where its request is not known."""
+    if said.reason is Reason.UNKNOWN_OPCODE:
+        return ""
+    if said.counter == "gaps":
+        return "out of order" if said.nak else "gap goes on"
+    return FAULTS[said.counter]
+
+
 def verdict(dut: Any) -> Verdict:
     """What the ports say in this cycle."""
     counters = [name for name, port in COUNTS.items() if getattr(dut, port).value]
@@ -99,6 +145,7 @@ class Line:
         self.model = FrameReceiver(bench.config.reach)
         self.go, self.pause = SPEEDS[speed](bench.draw), bench.config.pause
         self.seen: set[tuple[str, int]] = set()
+        self.cover = Cover("link", LINK_BINS, LINK_IMPOSSIBLE)
         self.watched = [getattr(self.dut, name) for name in EFFECTS]
 
     async def edge(self, index: int) -> None:
@@ -127,7 +174,11 @@ class Line:
         dut.frame_end.value, dut.frame_good.value = 1, int(whole)
         await self.edge(index)
         dut.frame_end.value = dut.frame_good.value = 0
+        in_order = self.model.is_in_order
         expected = self.model.judge(body, whole, overflow)
+        if (fault := fault_of(expected)) and body and body[0] in REQUESTS:
+            state = "in order" if in_order else "behind a gap"
+            self.cover.sample(state=state, request=Opcode(body[0]).name, fault=fault)
         await self.edge(index)
         await bench.edge()
         got = verdict(dut)
@@ -166,6 +217,49 @@ async def frames(dut: Any, source: str) -> None:
         bench.check("verdicts of every kind", {name for name, _ in line.seen} - {""}, set(COUNTS))
         bench.check("reasons of every kind", {reason for _, reason in line.seen}, set(Reason))
     bench.finish(at_least=1000)
+
+
+def excluded(combination: tuple[str, ...]) -> bool:
+    """Whether a state, a request and a fault cannot come together."""
+    values = dict(zip(LINK_BINS, combination, strict=True))
+    return any(all(values[name] in some for name, some in where.items()) for _, where in LINK_IMPOSSIBLE)
+
+
+def faulty(bench: Bench, opcode: Opcode, fault: str, expected: int) -> bytes:
+    """A request with a fault, of a board that awaits a number."""
+    payload = good_payload(bench.draw, opcode, 1, bench.config.reach)
+    number = {"sent again": expected - 1, "gap goes on": expected + 4, "out of order": expected + 9}
+    if fault == "wrong field":
+        wrong = {
+            Opcode.READ: {},
+            Opcode.FRAME_CRC: {"reserved": 0, "plane": 7},
+            Opcode.BAUD: {"phase_step": 0},
+        }
+        payload = pack_payload(opcode, wrong[opcode]) if wrong[opcode] else bytes(len(payload))
+    if fault == "wrong length":
+        return sealed(bytes([opcode, expected]) + (len(payload) + 4).to_bytes(2, "little") + payload)
+    body = body_of(opcode, number.get(fault, expected), payload)
+    return body[:-1] + bytes([body[-1] ^ 1]) if fault == "wrong CRC" else body
+
+
+@cocotb.test(timeout_time=4, timeout_unit="ms")
+async def every_request_and_fault(dut: Any) -> None:
+    """Each fault of each request, where the frame before was in order and where it was not."""
+    bench = Bench(dut, Config, "every_request_and_fault")
+    await bench.start(*INPUTS)
+    line = Line(bench, "full_speed")
+    words = good_payload(bench.draw, Opcode.TRIANGLES, 1)
+    wanted = [one for one in product(*LINK_BINS.values()) if not excluded(one)]
+    for index, (state, request, fault) in enumerate(wanted):
+        ahead = 0 if state == "in order" else 3
+        await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected + ahead, words))
+        body = faulty(bench, Opcode[request], fault, line.model.expected)
+        before = line.cover.hits[state, request, fault]
+        await line.frame(index, body, fault != "damaged", fault == "no room")
+        after = line.cover.hits[state, request, fault]
+        bench.check("the fault that was meant", after, before + 1, index, (state, request, fault))
+    line.cover.save()
+    bench.finish(at_least=100)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")

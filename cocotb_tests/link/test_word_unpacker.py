@@ -13,6 +13,7 @@ import pytest
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
+from quadshade.contract.packed_format import size_of
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.packing.pack import pack_primitives
@@ -136,6 +137,28 @@ async def junk(dut: Any) -> None:
     setup_words, _ = await unpack(bench, batch.words, "full_speed", "full_speed")
     bench.check_all("set-up word after junk", setup_words, pack(batch.primitives, formats).tolist())
     bench.finish(at_least=100)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_begin_and_a_full_list(dut: Any) -> None:
+    """A packet begins at each bit of a word, and one changes a width as often as there are addresses."""
+    bench = Bench(dut, Config, "every_begin_and_a_full_list")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats = bench.config.formats
+    model = WordUnpacker(formats)
+    address_bits = size_of("width_address_bits", formats)
+    list_bits = (1 + address_bits + size_of("width_bits", formats)) << address_bits
+    # The bit behind the first one ends the list of changes; ones are a start and a list of the last address.
+    begins = [[(1 << at | bench.bits(32) << at + 2) & 0xFFFFFFFF] for at in range(32)]
+    for index, first in enumerate([*begins, [0xFFFFFFFF] * (1 + list_bits // 32)]):
+        words = np.array([*first, *(bench.bits(32) for _ in range(4))], np.uint32)
+        setup_words, _ = await unpack(bench, words, "throttled", "full_speed")
+        whole = model.feed(words).tolist()
+        bench.check_all("set-up word", setup_words, whole + model.begun, lambda _, i=index: i)
+        bench.check("busy", bool(dut.busy.value), model.within, index)
+        model.reset()
+        await bench.reset()
+    bench.finish(at_least=33)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

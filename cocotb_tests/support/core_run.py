@@ -9,6 +9,7 @@ from itertools import accumulate
 import numpy as np
 
 from cocotb_tests.support.bench import Bench, StreamSink, StreamSource
+from cocotb_tests.support.cover import Cover
 from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.golden.core.raster_core import EmittedPixel
@@ -18,6 +19,15 @@ from tests.support.golden_stimuli import malformed_words, triangle_words
 
 QUIET_CYCLES = 20
 """How long the core is watched after it says idle."""
+
+CORE_BINS = {
+    "channels": ("1", "2", "3", "4"),
+    "order": ("0", "1", "2"),
+    "second_edge": ("0", "1"),
+    "mirror": ("0", "1"),
+    "held": ("0", "1"),
+}
+"""Channels of the core, a channel's order, the packet's edges, and whether a pixel had to wait in the run."""
 
 PORTS = ("pixel_last", "pixel_y", "pixel_x", "pixel_depth", "pixel_value")
 
@@ -71,6 +81,7 @@ class Run:
         self.settled = {0: 0} | dict(zip(ends, np.cumsum(drawn).tolist(), strict=True))
         self.source = StreamSource(dut.setup_valid, dut.setup_ready, [dut.setup_data], self.beats, offers)
         data = [getattr(dut, port) for port in PORTS]
+        self.held = False
         self.sink = StreamSink(bench, dut.pixel_valid, dut.pixel_ready, data, takes)
 
     async def cycle(self) -> bool:
@@ -85,6 +96,7 @@ class Run:
             bench.check("pixels out when idle", len(self.sink.words), self.settled.get(accepted), accepted)
         self.source.sample(bench.cycle)
         self.sink.sample(bench.cycle)
+        self.held |= self.sink.held is not None
         return idle
 
     async def finish(self) -> None:
@@ -98,6 +110,23 @@ class Run:
         bench = self.bench
         bench.check("beats accepted", len(self.source.accepted_at), len(self.beats))
         bench.check_all("pixel", self.sink.words, self.expected, self.inputs)
+        self.cover()
+
+    def cover(self) -> None:
+        """Count what every packet asked of each channel."""
+        formats = self.bench.config
+        cover = Cover("core", CORE_BINS)
+        for fields in self.fields:
+            for channel in range(formats.num_channels):
+                order = min(fields["orders"] >> (2 * channel) & 3, formats.max_order)
+                cover.sample(
+                    channels=formats.num_channels,
+                    order=order,
+                    second_edge=fields["has_second"],
+                    mirror=fields["mirror"],
+                    held=int(self.held),
+                )
+        cover.save()
 
     def inputs(self, index: int) -> str:
         """What drew a pixel."""

@@ -4,6 +4,7 @@ One simulation from a pytest function: build a unit with a configuration's gener
 
 ``QUADSHADE_SIM`` names the simulator (``ghdl`` if not given). ``QUADSHADE_NETLIST`` replaces the VHDL by a
 Verilog netlist: ``ghdl`` for GHDL's synthesis of it, ``ice40`` or ``ecp5`` for that mapped to cells.
+``QUADSHADE_COVERAGE`` is a folder for what gcc's counters saw of the VHDL: ``scripts/coverage`` reads it.
 """
 
 from __future__ import annotations
@@ -18,10 +19,14 @@ from xml.etree import ElementTree
 import pytest
 from cocotb_tools.runner import get_runner
 
+from cocotb_tests.support.cover import SOURCES
+
 ROOT = Path(__file__).resolve().parents[2]
 SIMULATOR = os.environ.get("QUADSHADE_SIM", "ghdl")
 NETLIST = os.environ.get("QUADSHADE_NETLIST", "")
+COVERAGE = os.environ.get("QUADSHADE_COVERAGE", "")
 STANDARD = "--std=08"
+COUNTED = ["-Wc,-fprofile-arcs", "-Wc,-ftest-coverage", "-Wl,--coverage"] if COVERAGE else []
 WAVES = bool(int(os.environ.get("QUADSHADE_WAVES") or os.environ.get("WAVES") or 0))
 
 
@@ -49,10 +54,14 @@ def elaborated(unit: str) -> Path:
 
     def make(library: Path) -> None:
         run_tool(["ghdl", "-i", STANDARD, *sources], library)
-        run_tool(["ghdl", "-m", STANDARD, unit], library)
+        run_tool(["ghdl", "-m", STANDARD, *COUNTED, unit], library)
 
     # The program is cocotb's choice: its runner calls it by this name.
-    key = build_key(tool_version(("ghdl",)), STANDARD, unit, *sources)
+    key = build_key(tool_version(("ghdl",)), STANDARD, *COUNTED, unit, *sources)
+    if COVERAGE:
+        counts = Path(COVERAGE) / key
+        counts.mkdir(parents=True, exist_ok=True)
+        (counts / SOURCES).write_text(build_key(*sources))
     return build_once(ROOT / "build" / "cocotb" / "library", key, make)
 
 
@@ -122,11 +131,14 @@ def simulate(
     results = folder / "results.xml"
     simulator = "icarus" if verilog else SIMULATOR
     runner = get_runner(simulator)
-    test_args = []
+    test_args, environment = [], {}
     if simulator == "ghdl":
         library = elaborated(unit)
         link_program(library, unit, folder)
         test_args = [STANDARD, f"--workdir={library}"]
+        if COVERAGE:
+            # Without the folders of the compilation, in whose place stands the library's.
+            environment = {"GCOV_PREFIX": f"{COVERAGE}/{library.name}", "GCOV_PREFIX_STRIP": "99"}
     else:
         # Here, because this module is imported inside every simulation too, and this takes seconds to load.
         from quadshade.synthesis.mapped import netlist_files
@@ -156,6 +168,7 @@ def simulate(
             waves=WAVES,
             log_file=log,
             extra_env={
+                **environment,
                 "QUADSHADE_CONFIG": json.dumps(dataclasses.asdict(config)),
                 "QUADSHADE_UNIT": unit,
                 # Else pytest's import hook compiles every library anew, seconds a simulation.

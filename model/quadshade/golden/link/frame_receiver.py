@@ -98,6 +98,11 @@ class FrameReceiver:
         self.expected = 0
         self._previous = SEQUENCES - 1
 
+    @property
+    def is_in_order(self) -> bool:
+        """Whether the frame judged last left no gap: the next number is the one that is expected."""
+        return self.expected == (self._previous + 1) % SEQUENCES
+
     def judge(self, body: bytes, whole: bool = True, overflow: bool = False) -> Verdict:
         """
         A frame that ends.
