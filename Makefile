@@ -56,7 +56,7 @@ test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed
 test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some with unknown registers or mapped (slow)
 	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
-	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
+	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not test_board'
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 
