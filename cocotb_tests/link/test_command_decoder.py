@@ -28,7 +28,7 @@ from quadshade.contract.protocol import (
 )
 from quadshade.golden.link.command_decoder import CommandDecoder
 from quadshade.golden.link.frame_receiver import Reach
-from quadshade.link.frames import FrameParser, enclosed
+from quadshade.link.frames import Frame, FrameParser, enclosed
 
 SEQUENCED = [opcode for opcode in Opcode if opcode.is_sequenced]
 
@@ -132,6 +132,32 @@ async def stream_with_gaps_in_credit(dut: Any, speed: str) -> None:
     bench.check("effects", board.effects.done, model.drawing.done)
     bench.check("frames were lost and asked for again", (lost > 3, naks > 1), (True, True))
     bench.finish(at_least=2)
+
+
+def results_of(frames: list[Frame]) -> list[tuple]:
+    """What commands answer: all but the link state, which is of when it is sent."""
+    return [(frame.opcode.name, frame.sequence, frame.payload[4:]) for frame in frames if frame.opcode & 0x10]
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def results_in_a_row(dut: Any) -> None:
+    """Each answer has its own command's CRC or bytes, however long the line takes for the one before it."""
+    bench = Bench(dut, Config, "results_in_a_row")
+    draw, speeds = bench.draw, ((0,), (30,), (0, 9, 60))
+    await Board(bench).start()
+    for cycles in speeds:
+        await bench.reset()
+        board, model, parser = Board(bench, char_cycles=cycles), model_of(bench), FrameParser()
+        expected = []
+        for index in range(8):
+            opcode = draw.choice((Opcode.FRAME_CRC, Opcode.FRAME_CRC, Opcode.READ))
+            line = enclosed(body_of(opcode, index, good_payload(draw, opcode)))
+            expected += parser.feed(model.feed(line))
+            await board.send(line)
+        await board.quiet_for(120)
+        bench.check_all("result", results_of(board.answers), results_of(expected))
+        bench.check("effects", board.effects.done, model.drawing.done)
+    bench.finish(at_least=9 * len(speeds))
 
 
 def clocks_within(fields: dict[str, int], board: Board, before: dict[str, int], most: int) -> bool:

@@ -188,8 +188,7 @@ begin
       byte_valid => byte_valid, byte_data => byte_data, frame_end => frame_end, frame_good => frame_good,
       write_valid => write_valid, write_data => write_data, commit => commit, discard => discard,
       overflow => overflow, expected => expected, ack => ack, nak => nak, request => request,
-      reason => reason,
-      opcode => opcode, number => number, argument => argument,
+      reason => reason, opcode => opcode, number => number, argument => argument,
       count_frame => events(counter_frames), count_bad_cobs => events(counter_bad_cobs),
       count_bad_crc => events(counter_bad_crc), count_bad_length => events(counter_bad_length),
       count_refused => events(counter_refused), count_overrun => events(counter_overruns),
@@ -197,9 +196,7 @@ begin
     );
 
   fifo : entity work.frame_fifo
-    generic map (
-      num_words => fifo_words, data_bits => 32, read_stages => fifo_stages
-    )
+    generic map (num_words => fifo_words, data_bits => 32, read_stages => fifo_stages)
     port map (
       clk => clk, reset => all_reset, write_valid => write_valid, write_data => write_data, commit => commit,
       discard => discard, overflow => overflow, free => free,
@@ -257,7 +254,10 @@ begin
     "0001" when result_due = '1' else
     "0000";
   answer_valid <= (reply_due or nak_due or ack_due or result_due) and not step_due and not link_reset;
-  result_taken <= answer_valid and answer_ready and chosen(0);
+  -- The next command begins when nothing more is needed of this one: its CRC is not overwritten before.
+  result_taken <= word_taken when sent_code = opcode_read_answer and word_index = 0 else
+    word_taken when sent_code = opcode_frame_crc_answer and word_index = 1 else
+    '0';
 
   choose : process (all)
   begin

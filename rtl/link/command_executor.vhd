@@ -52,7 +52,8 @@ entity command_executor is
     frame_crc_done : in std_ulogic;
     frame_crc_value : in std_ulogic_vector(31 downto 0);
 
-    -- READ and FRAME_CRC wait for their answer: number, the bytes of read_count, or the CRC.
+    -- READ and FRAME_CRC wait for their answer: number, the bytes of read_count, or the CRC; what is here
+    -- stays until result_taken.
     result_due : out std_ulogic;
     result_taken : in std_ulogic;
     command : out std_ulogic_vector(7 downto 0);

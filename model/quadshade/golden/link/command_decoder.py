@@ -184,7 +184,6 @@ class CommandDecoder:
         if self._command is None or self._result is None:
             return None
         (opcode, number, _, _), result = self._command, self._result
-        self._command = self._result = None
         if isinstance(result, bytes):
             return Answer(opcode | ANSWER_BIT, number, data=result)
         return Answer(opcode | ANSWER_BIT, number, data=result.to_bytes(WORD_BYTES, "little"))
@@ -211,6 +210,9 @@ class CommandDecoder:
             self.phase_step, self._step_due = self._asked_step, False
         self._free_told = self.fifo.free
         state = self.receiver.expected | answer.reason << 8 | self.fifo.free << 16
+        if answer.opcode in (Opcode.READ_ANSWER, Opcode.FRAME_CRC_ANSWER):
+            # Only now may the next command begin.
+            self._command = self._result = None
         return encode_line(answer_bytes(answer.opcode, answer.number, [state, *words], answer.data))
 
     def _frame(self, body: bytes, whole: bool) -> None:
