@@ -141,9 +141,9 @@ def held_beyond(projected: Projected, formats: Formats) -> Floats:
 
 def without_wrong(places: Places, target: Floats) -> tuple[Places, Floats, int]:
     """The same, without weight where a target (p, c) is no number; and how many triangles that is."""
-    wrong = np.asarray(~np.isfinite(target).all(axis=1))
-    if not wrong.any():
+    if np.isfinite(target).all():
         return places, target, 0
+    wrong = np.asarray(~np.isfinite(target).all(axis=1))
     kept = replace(places, area=np.where(wrong, 0.0, places.area))
     return kept, np.where(wrong[:, None], 0.0, target), len(np.unique(places.triangle[wrong]))
 

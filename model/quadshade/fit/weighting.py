@@ -70,7 +70,8 @@ class Weighted:
 
     def errors(self, values: Floats) -> Floats:
         """(p,) the error of the channel where it is largest."""
-        return _largest(self.drawn(values), self.target)
+        samples = values[self.elements.index]
+        return _errors(self.places.triangle, self.places.weights, samples, self.target)
 
 
 def smallest_peak(system: Weighted, values: Floats) -> Floats:
@@ -108,12 +109,25 @@ def lower_peaks(system: Weighted, values: Floats) -> Floats:
 
 
 @njit(cache=True)
-def _largest(drawn: Floats, target: Floats) -> Floats:
-    """(p,) largest difference of any channel (p, c)."""
-    out = np.zeros(len(drawn))
-    for place in range(len(drawn)):
-        for channel in range(drawn.shape[1]):
-            out[place] = max(out[place], abs(drawn[place, channel] - target[place, channel]))
+def _shape(weights: Floats, shape: Floats) -> None:
+    """The six shape functions at barycentric coordinates (3,)."""
+    one, two, three = weights[0], weights[1], weights[2]
+    shape[0], shape[1], shape[2] = one * (2 * one - 1), two * (2 * two - 1), three * (2 * three - 1)
+    shape[3], shape[4], shape[5] = 4 * one * two, 4 * one * three, 4 * two * three
+
+
+@njit(cache=True)
+def _errors(triangle: Ints, weights: Floats, samples: Floats, target: Floats) -> Floats:
+    """(p,) largest difference of any channel between quadratics (n, 6, c) and their target (p, c)."""
+    out, shape = np.zeros(len(triangle)), np.empty(6)
+    for place in range(len(triangle)):
+        _shape(weights[place], shape)
+        own = samples[triangle[place]]
+        for channel in range(target.shape[1]):
+            value = -target[place, channel]
+            for point in range(6):
+                value += shape[point] * own[point, channel]
+            out[place] = max(out[place], abs(value))
     return out
 
 
@@ -137,9 +151,7 @@ def _drawn(triangle: Ints, weights: Floats, samples: Floats) -> Floats:
     out = np.zeros((len(triangle), samples.shape[2]))
     shape = np.empty(6)
     for place in range(len(triangle)):
-        one, two, three = weights[place, 0], weights[place, 1], weights[place, 2]
-        shape[0], shape[1], shape[2] = one * (2 * one - 1), two * (2 * two - 1), three * (2 * three - 1)
-        shape[3], shape[4], shape[5] = 4 * one * two, 4 * one * three, 4 * two * three
+        _shape(weights[place], shape)
         for channel in range(samples.shape[2]):
             for point in range(6):
                 out[place, channel] += shape[point] * samples[triangle[place], point, channel]
