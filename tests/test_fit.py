@@ -218,6 +218,22 @@ def test_colours_that_are_no_numbers_count_nothing(monkeypatch: pytest.MonkeyPat
         assert sum("colours that are no numbers" in note for note in fitted.notes) == 1
 
 
+@pytest.mark.parametrize("fit", FITS[1:])
+def test_a_reflectance_without_colours_is_drawn_through_six_points(fit: str) -> None:
+    projected, _ = seen()
+
+    def holed(point, normal, to_light, to_viewer):
+        # No vertex and no middle of an edge lies there.
+        here = (point[:, 0] > 0.31) & (point[:, 0] < 0.33)
+        return np.where(here[:, None], np.nan, np.clip(normal[:, [2, 2, 2]], 0, 1))
+
+    material = Material(reflectance=holed)
+    six = sample(projected, material=material)
+    fitted = fit_scene(projected, six, fit, material=material)
+    assert (fitted.triangles.samples == six.samples).all()
+    assert len(fitted.notes) == 1 and "not finite" in fitted.notes[0]
+
+
 @pytest.mark.parametrize("fit", [fit for fit in FITS if fit != "c1"])
 def test_neighbours_meet_in_value(fit: str) -> None:
     projected, six = seen("torus:288")

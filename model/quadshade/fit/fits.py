@@ -30,6 +30,10 @@ EXACTLY = 1e-6
 """Tolerance with a weight on jumps: what changes slowly is seen late."""
 
 
+class _UnshadedError(Exception):
+    """Phong shading has no colour for some place: a reflectance of the user's own."""
+
+
 @dataclass(frozen=True)
 class Fitted:
     """
@@ -139,7 +143,10 @@ def fit_scene(
 
     def target(drawn: Projected) -> tuple[Places, Floats]:
         here = places_of(places, drawn, formats)
-        colour = phong_at(drawn, here.triangle, here.weights, lights, material, formats)
+        try:
+            colour = phong_at(drawn, here.triangle, here.weights, lights, material, formats)
+        except QuadshadeError as reason:
+            raise _UnshadedError(reason.message) from reason
         here, colour, lost = without_wrong(here, colour)
         wrong[:] = [lost]
         return here, colour
@@ -147,12 +154,17 @@ def fit_scene(
     colours = replace(triangles, samples=triangles.samples[:, :3], orders=triangles.orders[:, :3])
     elements = shared_elements(colours)
     largest = 2.0**formats.value_bits - 1
-    if fit == "c1":
-        asked = Target(lambda drawn: sample(drawn, lights=lights, material=material, formats=formats), target)
-        smooth = fit_c1(projected, elements, asked, jump, largest, formats, moves)
-        notes = _notes(wrong[0], smooth.ended, smooth.unsplit)
-        return Fitted(smooth.triangles, smooth.projected, smooth.parent, notes)
-    here, colour = target(projected)
+    try:
+        if fit == "c1":
+            asked = Target(
+                lambda drawn: sample(drawn, lights=lights, material=material, formats=formats), target
+            )
+            smooth = fit_c1(projected, elements, asked, jump, largest, formats, moves)
+            notes = _notes(wrong[0], smooth.ended, smooth.unsplit)
+            return Fitted(smooth.triangles, smooth.projected, smooth.parent, notes)
+        here, colour = target(projected)
+    except _UnshadedError as reason:
+        return Fitted(triangles, projected, whole, (f"fit: drawn through six points: {reason}",))
     beyond = held_beyond(projected, formats) if places == "pixels" else np.zeros(len(projected))
     system = Weighted(elements, here, colour, beyond, 0, largest)
     penalty = None
