@@ -68,6 +68,9 @@ MAX_ERROR = 0.5
 PACK_ERROR = 1.0 / 32.0
 """Grey levels that shorter words may add to the error at a pixel, unless a drawing is told otherwise."""
 
+AUTO = "auto"
+"""A level of detail that the budget chooses."""
+
 MEASURES = ("max", "rms")
 UNITS = ("bytes", "clocks", "line")
 """Of a budget: bytes of set-up words, clocks of the core, bytes on the serial line."""
@@ -110,6 +113,16 @@ def parse_budget(value: Any) -> tuple[int, str]:
             f"{value!r} is not a budget", "write for example 20000bytes, 180000clocks or 10000line"
         )
     return int(match[1]), match[2] or UNITS[0]
+
+
+def parse_lod(value: Any) -> int | str | None:
+    """Triangles, ``auto`` or None; raises :class:`QuadshadeError` for anything else."""
+    text = str(value).strip().lower()
+    if value is None or text == AUTO:
+        return None if value is None else AUTO
+    if isinstance(value, bool) or not re.fullmatch("[0-9]{1,9}", text):
+        raise QuadshadeError(f"the level of detail is {value!r}", "give a number of triangles, or auto")
+    return int(text)
 
 
 def parse_limit(value: Any) -> float:

@@ -28,7 +28,7 @@ SHADINGS = (*SHADERS, "auto")
 FITTED = ("num_channels", "with_shade", "num_specular")
 """Generics that are fitted to the lights where the core has no shade unit."""
 HOPELESS = 1.4
-"""A kind of channels whose first picture takes so many times as much as another's is left there."""
+"""A kind of channels whose first picture takes so many times as much as another's, or the budget, is left."""
 
 
 class ErrorCurve:
@@ -99,11 +99,12 @@ class ErrorCurve:
         check_word("budget's unit", unit, UNITS)
         pictures, refused = [], dict(self.refused)
         for curve in self.curves:
-            picture = curve.best(budget, unit)
+            least = curve.picture(0).cost(unit)
+            picture = curve.best(budget, unit) if least <= HOPELESS * budget else None
             if picture is None:
                 refused[curve.shading] = QuadshadeError(
                     f"the budget is {budget} {'bytes on the line' if unit == 'line' else unit}",
-                    f"the cheapest picture takes {curve.picture(0).cost(unit)}: give more",
+                    f"the cheapest picture takes {least}: give more",
                 )
             else:
                 pictures.append(picture)

@@ -20,6 +20,7 @@ from quadshade.choices import (
     STEPPINGS,
     parse_budget,
     parse_limit,
+    parse_lod,
     parse_pack_error,
 )
 from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, option
@@ -122,6 +123,13 @@ def scene_options(size: str = DEFAULT_SIZE, background: str = "black") -> list[D
             metavar="DEGREES",
             help="Compute vertex normals; edges sharper than this stay sharp.  "
             "[default: the file's normals, else 60]",
+        ),
+        option(
+            "Scene",
+            "--lod",
+            type=Parsed("N|auto", parse_lod),
+            help="Level of detail: at most N triangles, with the normals and colours of all; auto: as many "
+            "as are best for --budget.",
         ),
         option(
             "Scene",

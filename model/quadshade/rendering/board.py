@@ -10,10 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from quadshade.adapt.plan import LineCount
 from quadshade.board import Board, BoardSettings
 from quadshade.board.engines import board_engine
-from quadshade.board.fallbacks import sent_triangles
 from quadshade.board.large_screen import large_screen_notice
 from quadshade.board.settings import board_settings
 from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error
@@ -24,9 +22,10 @@ from quadshade.files.triangle_file import open_triangles
 from quadshade.golden.screen.edge_map import edge_map
 from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
+from quadshade.rendering.levels import best_level, level_note
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import ShownScene, default_count, shade_scene, show_scene
+from quadshade.rendering.shade import ShownScene, board_count, shade_scene, show_scene
 from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.shading import UnsuitedError, specular_formats
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
@@ -129,11 +128,11 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         size = (board.width, board.height) if choice.size is None else choice.size
         settings = settings.of_scene(generics=board.host_formats, size=size)
         formats = settings.checked()
-        scene = show_scene(settings, formats, reports)
+        count = board_count(settings, board.formats)
+        scene = best_level(settings, show_scene(settings, formats, reports), formats, reports, count)
         reports.step(f"shading {len(scene.projected)} triangles")
-        shaded = shade_scene(settings, scene, formats, reports, _line_count(settings, board))
-        triangles = shaded.triangles
-        width, height = triangles.width, triangles.height
+        shaded = shade_scene(settings, scene, formats, reports, count)
+        triangles, (width, height) = shaded.triangles, settings.scene.pixels
         frames = []
         for by in jitter(choice.supersample, formats):
             placed = replace(scene, projected=moved(scene.projected, by, formats))
@@ -151,25 +150,20 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
             width=width,
             height=height,
             faces=scene.faces,
+            whole_faces=len(scene.whole),
             adaptive=None if shaded.adapted is None else shaded.adapted.mix(),
             port=port.name,
             line=board.statistics,
         )
     note = adapt_note(shaded)
     summary = (
-        f"{width}x{height}, {len(triangles)} triangles, drawn by the board at {port.name}"
+        f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
         + (", as the golden model predicts" if port.verify else "")
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + _packing_note(pack_error)
         + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
-
-
-def _line_count(settings: RenderSettings, board: Board) -> LineCount:
-    """What a frame takes on the line to a board, with the channels and the depth that it has."""
-    count = default_count(settings)
-    return lambda triangles, _: count(sent_triangles(triangles, board.formats), board.formats)
 
 
 def _packing_note(pack_error: float) -> str:

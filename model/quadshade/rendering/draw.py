@@ -20,9 +20,10 @@ from quadshade.files.atomic import write_atomically
 from quadshade.files.triangle_file import open_triangles
 from quadshade.image import paint, visible
 from quadshade.rendering.groups import COLOUR_CHANNELS, EngineChoice, SetupChoice
+from quadshade.rendering.levels import best_level, level_note
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import Shaded, ShownScene, shade_scene, show_scene
+from quadshade.rendering.shade import Shaded, ShownScene, default_count, shade_scene, show_scene
 from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.shading.reference import phong
 
@@ -72,6 +73,7 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     # Phong shading is the host's own work: of the engine it needs coverage and depth only.
     engine = settings.engine.engine or ("model" if shading == PHONG else default_engine())
     scene = show_scene(settings, formats, reports)
+    scene = best_level(settings, scene, formats, reports, default_count(settings))
     projected = scene.projected
     reports.step(f"drawing {len(projected)} triangles with the engine {engine}")
     shaded = shade_scene(settings, scene, formats, reports)
@@ -82,13 +84,14 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
         array = mean(_moved_frames(settings, scene, shaded, engine, moves, reports))
     adaptive, note = adapt_report(settings, scene, shaded, drawing)
     kind = "adaptive" if adaptive else shading
-    stats = _stats(drawing, choice.name, kind, scene.faces, shown, adaptive, gbuffer)
+    stats = _stats(drawing, choice.name, kind, scene, shown, adaptive, gbuffer)
     if len(projected) and not (shown >= 0).any():
         reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
     clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
     frames = "" if choice.supersample == 1 else f" a picture, the mean of {choice.supersample**2} pictures"
     summary = (
-        f"{projected.width}x{projected.height}, {len(projected)} triangles, {stats.pixels} pixels"
+        f"{projected.width}x{projected.height}, {len(projected)} triangles, "
+        f"{stats.pixels} pixels{level_note(scene)}"
         f"{clocks}{frames}{undefined_note(drawing, settings.setup)}{note}"
     )
     triangle, depth = _seen(drawing, shown, formats)
@@ -162,7 +165,7 @@ def _stats(
     drawing: Drawing,
     scene: str,
     shading: str,
-    faces: int,
+    shown_scene: ShownScene,
     shown: np.ndarray,
     adaptive: dict[str, Any] | None,
     gbuffer: dict[str, Any] | None,
@@ -180,7 +183,8 @@ def _stats(
         shading=shading,
         width=width,
         height=height,
-        faces=faces,
+        faces=shown_scene.faces,
+        whole_faces=len(shown_scene.whole),
         visible_pixels=seen,
         adaptive=adaptive,
         gbuffer=gbuffer,

@@ -37,6 +37,7 @@ def render(
     smoothness: float | None = None,
     jump: float | None = None,
     supersample: int = 1,
+    lod: str | int | None = None,
     reflectance: str | Reflectance | None = None,
     cull: bool = True,
     crease: float | None = None,
@@ -101,6 +102,8 @@ def render(
       Jump of the derivative across an edge that may stay with ``c1``, in grey levels per pixel; 0.02.
     supersample : int
       1, 2 or 4, n: the picture is the mean of n x n pictures, each moved by a part of a pixel.
+    lod : str or int, optional
+      Triangles that the scene is drawn in at most (``docs/guide/adapt.md``); ``auto``: the budget says.
     reflectance : str or callable, optional
       ``module:function``, or a function of point, normal, to_light and to_viewer.
     cull : bool

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quadshade.choices import (
+    AUTO,
     DEFAULT_SHADING,
     DEFAULT_SIZE,
     EDGE_KINDS,
@@ -35,6 +36,7 @@ from quadshade.choices import (
     parse_budget,
     parse_faults,
     parse_limit,
+    parse_lod,
     parse_pack_error,
 )
 from quadshade.contract.formats import Formats, parse_generics
@@ -72,6 +74,7 @@ class SceneChoice:
     smoothness: float | None = None
     jump: float | None = None
     supersample: int = 1
+    lod: str | int | None = None
 
     def __post_init__(self) -> None:
         if self.shading is not None:
@@ -81,6 +84,7 @@ class SceneChoice:
             raise QuadshadeError(f"a smoothness with the fit {self.fit}", "give --fit smooth")
         if self.jump is not None and self.fit != "c1":
             raise QuadshadeError(f"a jump with the fit {self.fit}", "give --fit c1")
+        parse_lod(self.lod)
         if self.supersample not in SUPERSAMPLES:
             raise QuadshadeError(
                 f"the supersample is {self.supersample}", f"give {', '.join(map(str, SUPERSAMPLES))}"
@@ -90,6 +94,17 @@ class SceneChoice:
     def name(self) -> str:
         """What the scene is called in reports."""
         return str(self.scene) if isinstance(self.scene, str | Path) else "mesh"
+
+    @property
+    def level(self) -> int | None:
+        """Triangles at most, where that is a number."""
+        level = parse_lod(self.lod)
+        return level if isinstance(level, int) else None
+
+    @property
+    def chooses_level(self) -> bool:
+        """Whether the budget says in how many triangles the scene is drawn."""
+        return parse_lod(self.lod) == AUTO
 
     @property
     def interpolation(self) -> str:

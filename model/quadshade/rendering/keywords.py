@@ -128,6 +128,7 @@ KINDS = (
         ),
         "background": Kind(_is_background, "one or three numbers from 0 to 1"),
         "generics": Kind(_are_generics, "a mapping, a list of name=value, or Formats"),
+        "lod": Kind(lambda value: _is_text(value) or _is_count(value), "a number of triangles, or auto"),
         "budget": Kind(_is_budget, "a text as 20000bytes, a whole number, or both as a pair"),
         "edges": Kind(lambda value: _is_text(value) or _is_row(value, _is_text), "profile, inner, or both"),
         "edge_colours": Kind(_are_colours, "a mapping of a kind to three numbers, or texts"),

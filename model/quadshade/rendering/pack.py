@@ -11,6 +11,7 @@ from quadshade.choices import PHONG, parse_pack_error
 from quadshade.errors import QuadshadeError
 from quadshade.packing.frame_file import FrameFile, encode_frame_file, pack_frame
 from quadshade.rendering.draw import adapt_note
+from quadshade.rendering.levels import best_level, level_note
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import default_count, shade_scene, show_scene
 
@@ -61,9 +62,9 @@ def pack_picture(
     formats = settings.checked()
     if settings.scene.interpolation == PHONG:
         raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
-    scene = show_scene(settings, formats, reports)
-    reports.step(f"packing {len(scene.projected)} triangles")
     count = default_count(settings, parse_pack_error(pack_error))
+    scene = best_level(settings, show_scene(settings, formats, reports), formats, reports, count)
+    reports.step(f"packing {len(scene.projected)} triangles")
     shaded = shade_scene(settings, scene, formats, reports, count)
     frame, batch = pack_frame(
         shaded.triangles,
@@ -76,7 +77,8 @@ def pack_picture(
     undefined = int(np.count_nonzero(batch.primitives.undefined))
     note = adapt_note(shaded)
     summary = (
-        f"{frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets, "
+        f"{frame.width}x{frame.height}, {frame.triangles} triangles in {frame.packets} packets"
+        f"{level_note(scene)}, "
         f"{size:.1f} bytes a triangle on the line, at most {batch.added:.4f} grey levels added"
         + (f", {undefined} packets undefined and drawn as 0" if undefined else "")
         + (f"; before packing:{note}" if note else "")

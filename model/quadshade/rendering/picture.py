@@ -44,8 +44,8 @@ class Stats:
       Of the core, or of the board.
     scene, shading : str
       ``shading`` is ``adaptive`` where an error or a budget chose it.
-    width, height, faces : int
-      Pixels; triangles of the mesh.
+    width, height, faces, whole_faces : int
+      Pixels; triangles of the mesh, as it is drawn and before ``--lod``.
     visible_pixels : int or None
       Pixels that show the scene, not the background.
     adaptive : dict or None
@@ -74,6 +74,7 @@ class Stats:
     width: int = 0
     height: int = 0
     faces: int = 0
+    whole_faces: int = 0
     visible_pixels: int | None = None
     adaptive: Mapping[str, Any] | None = None
     gbuffer: Mapping[str, Any] | None = None
@@ -83,7 +84,7 @@ class Stats:
     def as_dict(self) -> dict[str, Any]:
         """What ``--stats`` writes."""
         if self.port is not None:
-            names = ["scene", "shading", "width", "height", "adaptive", "faces", "generics"]
+            names = ["scene", "shading", "width", "height", "adaptive", "faces", "whole_faces", "generics"]
             content: dict[str, Any] = {"port": self.port, **(self.line or {})}
         else:
             names = [one.name for one in fields(self) if one.name not in ("port", "line")]

@@ -146,6 +146,8 @@ class RenderSettings:
             raise QuadshadeError(
                 f"--toon with the shading {shading}", f"give --shading {' or '.join(SPECULAR_ORDERS)}"
             )
+        if scene.chooses_level and self.adapt.budget is None:
+            raise QuadshadeError("--lod auto without a budget", "give --budget, or a number of triangles")
         if self.adapt.is_adaptive:
             self._check_adaptive()
         if self.style.needs_gbuffer and self.port.port is None:
@@ -272,7 +274,8 @@ def reference_settings(
     kept = {name: generics[name] for name in COVERAGE_GENERICS}
     plain = RenderSettings(
         replace(
-            settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None, jump=None
+            settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None, jump=None,
+            lod=None,
         ),
         style=replace(settings.style, gbuffer=None),
         engine=EngineChoice("model"),

@@ -24,7 +24,16 @@ from quadshade.packing.line import picture_line_bytes
 from quadshade.rendering.groups import SceneChoice
 from quadshade.rendering.settings import RenderSettings, Reports, check_colours
 from quadshade.rendering.supersample import jitter, moved
-from quadshade.scene import Camera, Mesh, Projected, build_mesh, load_scene, parse_camera, project
+from quadshade.scene import (
+    Camera,
+    Mesh,
+    Projected,
+    build_mesh,
+    level_of_detail,
+    load_scene,
+    parse_camera,
+    project,
+)
 from quadshade.scene.from_trimesh import mesh_from_trimesh
 from quadshade.shading import (
     Light,
@@ -60,6 +69,11 @@ class ShownScene:
       Background, 8 bits each.
     faces : int
       Of the mesh.
+    whole : Mesh
+      The scene's mesh before ``--lod``.
+    camera : Camera
+    adapted : Adapted or None
+      What a budget was found to be best for, where it chose the level of detail.
     """
 
     projected: Projected
@@ -67,6 +81,9 @@ class ShownScene:
     surface: Material
     ground: tuple[int, int, int]
     faces: int
+    whole: Mesh
+    camera: Camera
+    adapted: Adapted | None = None
 
 
 class Shaded(NamedTuple):
@@ -94,6 +111,9 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     reports.step(f"reading {choice.name}")
     mesh = choice_mesh(choice)
     camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
+    whole = mesh
+    if choice.level is not None:
+        mesh = level_of_detail(whole, choice.level, _file(choice), choice.crease)
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
     for note in (*(f"{choice.name}: {text}" for text in mesh.notes), *projected.notes):
         reports.notice(note)
@@ -105,7 +125,21 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
         from quadshade.style import gooch_material
 
         surface, lights = gooch_material(surface, lights or default_lights(projected.axes))
-    return ShownScene(projected, lights, surface, ground, len(mesh))
+    return ShownScene(projected, lights, surface, ground, len(mesh), whole, camera)
+
+
+def _file(choice: SceneChoice) -> str | Path | None:
+    """The scene's name, where it has one."""
+    return choice.scene if isinstance(choice.scene, str | Path) else None
+
+
+def at_level(shown: ShownScene, count: int, choice: SceneChoice, formats: Formats) -> ShownScene:
+    """A scene in at most so many triangles; errors as of :func:`quadshade.scene.level_of_detail`."""
+    mesh = level_of_detail(shown.whole, count, _file(choice), choice.crease)
+    projected = project(mesh, shown.camera, *choice.pixels, formats, choice.cull)
+    if not formats.with_depth:
+        projected = projected.back_to_front()
+    return replace(shown, projected=projected, faces=len(mesh))
 
 
 def _why_empty(choice: SceneChoice, mesh: Mesh, camera: Camera, formats: Formats) -> str:
@@ -180,8 +214,10 @@ def shade_scene(
     QuadshadeError
       A limit that cannot be kept, or formats that do not go with the scene.
     """
+    if shown.adapted is not None:
+        return Shaded(shown.adapted.triangles, shown.adapted.formats, shown.adapted)
     if settings.adapt.is_adaptive:
-        adapted = _adapted(settings, shown, formats, reports, count_line or default_count(settings))
+        adapted = adapted_scene(settings, shown, formats, reports, count_line or default_count(settings))
         return Shaded(adapted.triangles, adapted.formats, adapted)
     choice = settings.scene
     shading, x_shading = choice.interpolation, settings.setup.setup == "xshading"
@@ -240,7 +276,15 @@ def default_count(settings: RenderSettings, error: float | None = None) -> LineC
     return partial(picture_line_bytes, error=error, **settings.setup.arguments())
 
 
-def _adapted(
+def board_count(settings: RenderSettings, formats: Formats) -> LineCount:
+    """What a frame takes on the line to a board of some formats, with the channels and the depth it has."""
+    from quadshade.board.fallbacks import sent_triangles
+
+    count = default_count(settings)
+    return lambda triangles, _: count(sent_triangles(triangles, formats), formats)
+
+
+def adapted_scene(
     settings: RenderSettings,
     shown: ShownScene,
     formats: Formats,

@@ -39,7 +39,7 @@ def load_scene(scene: str | Path, crease: float | None = None) -> Mesh:
     """
     path = Path(scene)
     name = str(scene)
-    if path.suffix.lower() not in SUFFIXES and (":" in name or not path.exists()):
+    if is_generated(scene) or (path.suffix.lower() not in SUFFIXES and not path.exists()):
         if ":" not in name:
             raise QuadshadeError(
                 f"cannot read {name}: no such file or scene", f"give a mesh file, or one of {EXAMPLES}"
@@ -47,6 +47,11 @@ def load_scene(scene: str | Path, crease: float | None = None) -> Mesh:
         mesh = generate(name)
         return mesh if crease is None else build_mesh(mesh.vertices, mesh.faces, crease=crease)
     return load_mesh(path, crease)
+
+
+def is_generated(scene: str | Path) -> bool:
+    """Whether a scene is the name of a generated one, and no file."""
+    return ":" in str(scene) and Path(scene).suffix.lower() not in SUFFIXES
 
 
 def load_mesh(path: Path, crease: float | None = None) -> Mesh:

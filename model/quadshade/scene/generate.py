@@ -63,9 +63,28 @@ def generate(scene: str) -> Mesh:
         if len(numbers) != 1 or numbers[0] < 1:
             raise QuadshadeError(f"{scene!r} is not a cube", "give the divisions of an edge, e.g. cube:2")
         return cube(numbers[0])
-    if kind == "sphere":
-        return sphere(*(numbers if len(numbers) == 2 else _divide(scene, numbers[0], _sphere_divisions)))
-    return torus(*(numbers if len(numbers) == 2 else _divide(scene, numbers[0], _torus_divisions)))
+    return (sphere if kind == "sphere" else torus)(*grid_of(scene))
+
+
+def grid_of(scene: str) -> tuple[int, int]:
+    """
+    Stacks and slices of a sphere, rings and sides of a torus.
+
+    Parameters
+    ----------
+    scene : str
+      ``sphere:690`` or ``torus:16x9``, say.
+
+    Raises
+    ------
+    QuadshadeError
+      As for :func:`generate`.
+    """
+    kind, _, size = scene.partition(":")
+    numbers = [int(number) for number in size.split("x")]
+    if len(numbers) == 2:
+        return numbers[0], numbers[1]
+    return _divide(scene, numbers[0], _sphere_divisions if kind == "sphere" else _torus_divisions)
 
 
 def _sphere_divisions(count: int) -> list[tuple[float, int, int]]:

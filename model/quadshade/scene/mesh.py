@@ -219,7 +219,11 @@ def corner_normals(vertices: np.ndarray, faces: np.ndarray, crease: float) -> np
     corners = vertices[faces]
     flat = face_normals(corners)
     count = faces.size
-    one, other = _smooth_corner_pairs(faces, flat, crease)
+    one, other = corner_pairs(faces)
+    bend = np.einsum("ni,ni->n", flat[one // 3], flat[other // 3])
+    # Faces in one plane are smooth at any crease, in spite of the rounding of their normals.
+    smooth = bend >= np.cos(np.radians(crease)) - 1e-12
+    one, other = one[smooth], other[smooth]
     links = coo_matrix((np.ones(len(one), dtype=bool), (one, other)), shape=(count, count))
     groups, label = connected_components(links, directed=False)
     weighted = (flat[:, None, :] * _corner_angles(corners)[..., None]).reshape(count, 3)
@@ -241,8 +245,8 @@ def _corner_angles(corners: np.ndarray) -> np.ndarray:
     return np.where(lengths > 0, np.arccos(np.clip(cosine, -1, 1)), 0)
 
 
-def _smooth_corner_pairs(faces: np.ndarray, flat: np.ndarray, crease: float) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of corners (3 * face + corner) that meet at a vertex of an edge no sharper than the crease."""
+def corner_pairs(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of corners (3 * face + corner) of two faces that meet at a vertex of an edge of both."""
     start = np.arange(faces.size)
     end = start - start % 3 + (start + 1) % 3
     ends = np.stack([faces.ravel()[start], faces.ravel()[end]], axis=1)
@@ -250,9 +254,6 @@ def _smooth_corner_pairs(faces: np.ndarray, flat: np.ndarray, crease: float) -> 
     order = np.lexsort((high, low))
     here, there = order[:-1], order[1:]
     meet = (low[here] == low[there]) & (high[here] == high[there])
-    bend = np.einsum("ni,ni->n", flat[here // 3], flat[there // 3])
-    # Faces in one plane are smooth at any crease, in spite of the rounding of their normals.
-    meet &= bend >= np.cos(np.radians(crease)) - 1e-12
     here, there = here[meet], there[meet]
     same_way = ends[here, 0] == ends[there, 0]
     return (
