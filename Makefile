@@ -149,6 +149,10 @@ continuity: setup ## measure Mach bands and fractional stepping, write docs/repo
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
 	@$(VENV) -m scripts.experiments.adaptive_vs_fixed
 
+.PHONY: density
+density: setup ## mesh density, order, fit and power at the pixel for an error; writes docs/reports/density.md
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.density
+
 .PHONY: shade-table
 shade-table: setup ## spheres in every shading against Phong; writes docs/reports/shade.md
 	@$(VENV) -m scripts.experiments.shade_table

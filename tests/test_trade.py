@@ -47,6 +47,14 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def contents(folder: Path) -> dict[str, object]:
+    """A point's files; of its record all but the host's time, which is never the same twice."""
+    files: dict[str, object] = {path.name: path.read_bytes() for path in folder.iterdir()}
+    record = json.loads(files["record.json"])
+    assert record.pop("host_seconds") > 0
+    return files | {"record.json": record}
+
+
 def points(folder: Path) -> list[dict]:
     return json.loads((folder / "trade.json").read_text())["points"]
 
@@ -204,14 +212,14 @@ def test_a_damaged_point_is_measured_anew(tmp_path: Path, name: str, content: by
         (points / other).mkdir(parents=True)
     assert "1 point, 0 from before" in trade(*few).output
     (point,) = points.glob("*-*/record.json")
-    whole = {path.name: path.read_bytes() for path in point.parent.iterdir()}
+    whole = contents(point.parent)
     damaged = point.with_name(name)
     damaged.unlink()
     if content is not None:
         damaged.write_bytes(content)
     run = trade(*few)
     assert run.exit_code == 0 and "1 point, 0 from before" in run.output
-    assert {path.name: path.read_bytes() for path in point.parent.iterdir()} == whole
+    assert contents(point.parent) == whole
     assert "1 point, 1 from before" in trade(*few).output
     # What is somebody else's stays, a point of another sweep goes.
     assert sorted(path.name for path in points.iterdir()) == [".git", point.parent.name, "mine"]
@@ -326,3 +334,51 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
     run = trade("sphere:168", "-o", tmp_path / "file" / "out", "--size", "32x32", "--no-area", *FEW)
     assert run.exit_code == 2
     assert run.output.startswith(f"quadshade: error: cannot write {tmp_path}/file/out")
+
+
+def test_density_and_fit_are_axes(tmp_path: Path) -> None:
+    """Levels are compared with Phong shading of all triangles; only quadratic colours are fitted."""
+    arguments = (
+        "torus:288",
+        "-o",
+        tmp_path,
+        "--size",
+        "64x64",
+        "--no-area",
+        "--jobs",
+        "1",
+        "--exponent",
+        "50",
+    )
+    arguments += ("--shadings", "gouraud,quadratic", "--fractions", "22", "--subdivisions", "none")
+    run = trade(*arguments, "--lods", "all,100", "--fits", "six-point,least-squares")
+    assert run.exit_code == 0, run.output
+    content = json.loads((tmp_path / "trade.json").read_text())
+    points = {(p["shading"], p["lod"], p["fit"]): p for p in content["points"]}
+    fits = [("gouraud", "six-point"), ("quadratic", "six-point"), ("quadratic", "least-squares")]
+    assert set(points) == {(shading, lod, fit) for shading, fit in fits for lod in ("all", "100")}
+    for shading, fit in fits:
+        fine, coarse = points[shading, "all", fit], points[shading, "100", fit]
+        assert fine["mesh_triangles"] > coarse["mesh_triangles"]
+        assert fine["line"] > coarse["line"] > 0 and fine["rms"] < coarse["rms"]
+        assert coarse["reference"] == "phong-fine.png" and fine["host_seconds"] > 0
+    assert points["quadratic", "all", "least-squares"]["rms"] < points["quadratic", "all", "six-point"]["rms"]
+    # The level's reference is the fine mesh's own picture.
+    names = ("phong-fine.png", points["gouraud", "all", "six-point"]["reference"])
+    one, other = (np.asarray(Image.open(tmp_path / name)) for name in names)
+    assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--lods", "most"), "give a number of triangles, or auto"),
+        (("--lods", "auto"), "the level of detail is 'auto'; give all, or numbers"),
+        (("--lods", "9000"), "the mesh has 288 triangles"),
+        (("--fits", "best"), "the fit is 'best'"),
+        (("--lods", "all,all"), "give at least one, and each once"),
+    ],
+)
+def test_wrong_densities_and_fits(tmp_path: Path, arguments: tuple[str, str], said: str) -> None:
+    run = trade("torus:288", "-o", tmp_path, "--size", "32x32", "--no-area", *arguments)
+    assert run.exit_code == 2 and said in run.output

@@ -26,7 +26,16 @@ def point(
     shading: str, error: int | None, size: int, clocks: int, cells: int | None, fraction: int = 22
 ) -> dict:
     record = {"name": f"{shading}-{fraction}-none", "shading": shading, "fraction": fraction}
-    record |= {"subdivision": "none", "max_error": error, "rms": error, "bytes": size, "clocks": clocks}
+    record |= {
+        "subdivision": "none",
+        "lod": "all",
+        "fit": "six-point",
+        "line": size // 2,
+        "max_error": error,
+        "rms": error,
+        "bytes": size,
+        "clocks": clocks,
+    }
     refused = None if error is not None else "the screen is too large"
     return record | {"lut4": cells, "dsp": 7, "bram": 1, "refused": refused}
 
@@ -155,4 +164,4 @@ def test_bad_input_is_one_line(tmp_path: Path, arguments: tuple[str, ...], said:
     assert run.exit_code == 2
     assert run.output.startswith(f"quadshade: error: {said}"), run.output
     assert not (tmp_path / "out").exists()
-    assert set(COSTS) == {"bytes", "clocks", "lut4"}
+    assert set(COSTS) == {"bytes", "clocks", "lut4", "line"}

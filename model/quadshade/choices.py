@@ -74,7 +74,7 @@ AUTO = "auto"
 MEASURES = ("max", "rms")
 UNITS = ("bytes", "clocks", "line")
 """Of a budget: bytes of set-up words, clocks of the core, bytes on the serial line."""
-COSTS = ("bytes", "clocks", "lut4")
+COSTS = ("bytes", "clocks", "lut4", "line")
 """What a sweep's points pay for their error."""
 
 STYLES = ("none", "cartoon", "gooch", "hatch")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``quadshade trade``: what each step of accuracy costs, over fraction, shading and subdivision."""
+"""``quadshade trade``: what each step of accuracy costs, over five axes."""
 
 from __future__ import annotations
 
@@ -69,6 +69,18 @@ def _fractions(text: str) -> tuple[int, ...]:
     show_default=True,
     help="none, all:K (into four, K times), highlights:PIXELS (Cho et al.), centre:LEVELS (Abbas et al.).",
 )
+@click.option(
+    "--lods",
+    default="all",
+    show_default=True,
+    help="Levels of detail: all, or numbers of triangles at most; compared with Phong shading of all.",
+)
+@click.option(
+    "--fits",
+    default="six-point",
+    show_default=True,
+    help="Of the shading quadratic: those of `quadshade render`.",
+)
 @view_options
 @click.option("--engine", type=click.Choice(ENGINES), default="model", show_default=True)
 @click.option("--area/--no-area", default=True, show_default=True, help="Count cells by synthesis.")
@@ -93,6 +105,8 @@ def trade(
     fractions: str,
     shadings: str | None,
     subdivisions: str,
+    lods: str,
+    fits: str,
     size: str | None,
     camera: str,
     lights: tuple[str, ...],
@@ -110,15 +124,17 @@ def trade(
     generics: tuple[str, ...],
 ) -> None:
     """
-    Sweep fraction, shading and subdivision over SCENE and mark the points that no other beats.
+    Sweep fraction, shading, subdivision, density and fit over SCENE and mark the points that no other beats.
 
-    Error is that against Phong shading of the same triangles; cost is bytes of set-up words and clocks a
-    picture, and LUTs of the smallest core that can draw it. A killed sweep goes on where it stopped.
+    Error is that against Phong shading of the same triangles, with --lods of all triangles; cost is bytes of
+    set-up words, bytes on the serial line and clocks a picture, and LUTs of the smallest core that can draw
+    it. A killed sweep goes on where it stopped.
 
     \b
     quadshade trade sphere:374 -o trade --exponent 50
     quadshade trade part.stl --size 256x256 --fractions 12,22 --subdivisions none,centre:4 --no-area
     quadshade trade sphere:374 --max-error 2 --minimise lut4
+    quadshade trade knot.glb --lods all,500,100 --fits six-point,least-squares --subdivisions none --no-area
     quadshade trade torus:288 --dask tcp://host:8786
     """
     if minimise is not None and max_error is None:
@@ -142,7 +158,8 @@ def trade(
     view = View(scene, width, height, camera, lights, material, exponent, crease, cull)
     divisions = _words(subdivisions)
     usual = DEFAULT_SHADINGS if WHOLE in divisions else USUAL_SHADINGS
-    grid = Grid(_fractions(fractions), usual if shadings is None else _words(shadings), divisions)
+    shadings_swept = usual if shadings is None else _words(shadings)
+    grid = Grid(_fractions(fractions), shadings_swept, divisions, _words(lods), _words(fits))
     with progress_bars() as progress:
         result = sweep(view, grid, output, base, engine, area, device, jobs or -1, dask, progress)
     _say(result, output)

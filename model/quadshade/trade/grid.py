@@ -5,8 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
-from quadshade.choices import SHADING_ORDERS, SPECULAR_ORDERS
+from quadshade.choices import (
+    DEFAULT_SHADING,
+    FITS,
+    SHADING_ORDERS,
+    SPECULAR_ORDERS,
+    check_word,
+    parse_lod,
+)
 from quadshade.contract.formats import ORDER_NAMES, QUADRATIC, Formats
 from quadshade.errors import QuadshadeError
 from quadshade.trade.subdivision import WHOLE, check_subdivision
@@ -17,6 +25,8 @@ HEADROOM_BITS = 2
 ORDERS = SHADING_ORDERS | SPECULAR_ORDERS
 SHADINGS = tuple(ORDERS)
 ADAPTIVE = "adaptive"
+ALL = "all"
+"""The level of detail with all triangles."""
 ADAPTIVE_RANGE = (0.3, 100.0)
 """Grey levels of rms error that may be allowed; the rounding of the output alone is 0.29."""
 USUAL_SHADINGS = (*SHADING_ORDERS, "quadratic-specular")
@@ -39,16 +49,29 @@ class Point:
       Fraction bits of a colour word; the word is as wide as it has to be for them.
     subdivision : str
       See :mod:`quadshade.trade.subdivision`.
+    lod : str
+      ``all`` triangles of the mesh, or a number of them at most (:mod:`quadshade.scene.detail`).
+    fit : str
+      Of quadratic colours (:mod:`quadshade.fit`).
     """
 
     shading: str
     fraction: int
     subdivision: str
+    lod: str = ALL
+    fit: str = FITS[0]
 
     @property
     def name(self) -> str:
         """A name for files."""
-        return f"{self.shading}-{self.fraction}-{self.subdivision}".replace(":", "")
+        parts = [self.shading, str(self.fraction), self.subdivision]
+        parts += [f"lod{self.lod}"] * (self.lod != ALL) + [self.fit] * (self.fit != FITS[0])
+        return "-".join(parts).replace(":", "")
+
+    @property
+    def stage(self) -> tuple[str, str]:
+        """What its triangles depend on."""
+        return self.subdivision, self.lod
 
     @property
     def allowed(self) -> float | None:
@@ -108,12 +131,13 @@ class Point:
 @dataclass(frozen=True)
 class Grid:
     """
-    All points of a sweep: every combination of three axes; what is adaptive divides by itself.
+    All points of a sweep: every combination of five axes; what is adaptive divides by itself.
 
     Attributes
     ----------
     fractions : tuple of int
-    shadings, subdivisions : tuple of str
+    shadings, subdivisions, lods, fits : tuple of str
+      What is fitted are quadratic colours; other shadings are drawn once, as they are.
 
     Raises
     ------
@@ -124,14 +148,23 @@ class Grid:
     fractions: tuple[int, ...] = FRACTIONS
     shadings: tuple[str, ...] = DEFAULT_SHADINGS
     subdivisions: tuple[str, ...] = SUBDIVISIONS
+    lods: tuple[str, ...] = (ALL,)
+    fits: tuple[str, ...] = (FITS[0],)
 
     def __post_init__(self) -> None:
-        for name in ("fractions", "shadings", "subdivisions"):
+        for name in ("fractions", "shadings", "subdivisions", "lods", "fits"):
             values = getattr(self, name)
             if not values or len(set(values)) != len(values):
                 raise QuadshadeError(f"the {name} are {values}", "give at least one, and each once")
         for subdivision in self.subdivisions:
             check_subdivision(subdivision)
+        for lod in self.lods:
+            if lod != ALL and not isinstance(parse_lod(lod), int):
+                raise QuadshadeError(
+                    f"the level of detail is {lod!r}", f"give {ALL}, or numbers of triangles"
+                )
+        for fit in self.fits:
+            check_word("fit", fit, FITS)
         for shading in self.shadings:
             _check_shading(shading)
             if shading not in SHADINGS and WHOLE not in self.subdivisions:
@@ -143,8 +176,9 @@ class Grid:
         for subdivision in self.subdivisions:
             for shading in self.shadings:
                 if shading in SHADINGS or subdivision == WHOLE:
-                    for fraction in self.fractions:
-                        yield Point(shading, fraction, subdivision)
+                    fits = self.fits if shading == DEFAULT_SHADING else FITS[:1]
+                    for fraction, lod, fit in product(self.fractions, self.lods, fits):
+                        yield Point(shading, fraction, subdivision, lod, fit)
 
     def __len__(self) -> int:
         return sum(1 for _ in self)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import math
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +18,10 @@ from quadshade.contract.formats import SETUP_WORD_BITS, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
+from quadshade.fit import fit_colours
 from quadshade.image import paint, visible
 from quadshade.image.compare import error_map, psnr
+from quadshade.packing.line import picture_line_bytes
 from quadshade.scene import Projected
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample, sample_specular
@@ -28,10 +31,23 @@ from quadshade.trade.view import BACKGROUND, Stage, phong_picture
 HEAT_FULL = 32
 """Grey levels of error at the bright end of an error heat map; the same for all, so that they compare."""
 
+HOST_RUNS = 2
+
 REFERENCE = "reference.png"
 """Of a point whose triangles no other point has."""
 
-MEASURED = ("psnr", "rms", "max_error", "bytes", "bytes_per_triangle", "clocks", "pixels", "clocks_per_pixel")
+MEASURED = (
+    "psnr",
+    "rms",
+    "max_error",
+    "bytes",
+    "bytes_per_triangle",
+    "line",
+    "clocks",
+    "pixels",
+    "clocks_per_pixel",
+    "host_seconds",
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +110,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     Measured
       ``psnr`` (dB, None where the picture is the reference), ``rms`` and ``max_error`` (grey levels) over all
       pixels and channels of the picture; ``bytes`` of set-up words a frame, of the shade unit's state too;
-      ``clocks`` a frame.
+      ``line``, at most so many bytes on the serial line, None for a core that no board has; ``clocks`` a
+      frame; ``host_seconds`` of processor time to shade, fit, set up and pack.
 
     Raises
     ------
@@ -108,6 +125,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "order": point.order,
         "fraction": point.fraction,
         "subdivision": point.subdivision,
+        "lod": point.lod,
+        "fit": point.fit,
         "word_width": formats.word_width,
         "mesh_triangles": stage.mesh_triangles,
         "triangles": len(stage.projected),
@@ -117,6 +136,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         parts, triangles = _triangles(point, stage, formats)
         record["triangles"] = len(parts)
         setup_triangles(triangles, formats)
+        line = _line_bytes(triangles, formats)
+        seconds = _host_seconds(point, stage, formats)
     except QuadshadeError as refusal:
         return Measured(record | dict.fromkeys(MEASURED) | {"refused": str(refusal)}, {})
     # No division for the bound of the rounding: what few fraction bits cost is what is looked for.
@@ -125,7 +146,7 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     picture = paint(shown, drawing.pixels.value, BACKGROUND, (1 << formats.value_bits) - 1)
     files = {"picture.png": png(picture)}
     reference = stage.reference
-    if point.allowed is not None:
+    if point.allowed is not None and not stage.is_level:
         # Division has moved vertices by up to half a sub-pixel: the reference is that of these triangles.
         reference = phong_picture(parts, stage.lights, stage.material, base)
         files[REFERENCE] = png(reference)
@@ -140,6 +161,8 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
         "max_error": int(np.abs(difference).max()),
         "bytes": size,
         "bytes_per_triangle": size / max(stage.mesh_triangles, 1),
+        "line": line,
+        "host_seconds": seconds,
         "clocks": stats["clocks"],
         "pixels": stats["pixels"],
         "clocks_per_pixel": stats["clocks_per_pixel"],
@@ -157,4 +180,23 @@ def _triangles(point: Point, stage: Stage, formats: Formats) -> tuple[Projected,
         parts = parts.back_to_front()
     if point.specular:
         return parts, sample_specular(parts, point.shading, stage.lights, stage.material, formats)
-    return parts, sample(parts, point.shading, stage.lights, stage.material, formats)
+    triangles = sample(parts, point.shading, stage.lights, stage.material, formats)
+    return parts, fit_colours(parts, triangles, point.fit, stage.lights, stage.material, formats)
+
+
+def _line_bytes(triangles: ScreenTriangles, formats: Formats) -> int | None:
+    """The most bytes on the line; None where no board has such a core."""
+    try:
+        return picture_line_bytes(triangles, formats, limit=None)
+    except QuadshadeError:
+        return None
+
+
+def _host_seconds(point: Point, stage: Stage, formats: Formats) -> float:
+    """Processor time from the mesh on the screen to packed words, the least of some runs."""
+    least = math.inf
+    for _ in range(HOST_RUNS):
+        start = time.process_time()
+        _line_bytes(_triangles(point, stage, formats)[1], formats)
+        least = min(least, time.process_time() - start)
+    return least

@@ -7,20 +7,23 @@ import shlex
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from quadshade.choices import COSTS
+from quadshade.choices import COSTS, FITS
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.trade.grid import Point
+from quadshade.trade.grid import ALL, Point
 from quadshade.trade.subdivision import WHOLE
 from quadshade.trade.view import View
 
-COST_NAMES = {"bytes": "bytes a picture", "clocks": "clocks a picture", "lut4": "LUT4 of the core"}
+COST_NAMES = {
+    "bytes": "bytes a picture", "clocks": "clocks a picture", "lut4": "LUT4 of the core",
+    "line": "bytes on the line",
+}  # fmt: skip
 CELL_WORDS = {"dsp": "multiplier", "bram": "block RAM"}
 NEVER = "1e9"
 """Grey levels of rounding that no triangle reaches."""
 COLUMNS = (
-    "shading", "subdivision", "fraction bits", "largest error", "rms error", "bytes", "clocks", "LUT4",
-    "multipliers", "block RAM",
+    "shading", "subdivision", "lod", "fit", "fraction bits", "largest error", "rms error", "bytes", "line",
+    "clocks", "LUT4", "multipliers", "block RAM",
 )  # fmt: skip
 """Of :func:`table`."""
 
@@ -123,7 +126,7 @@ def command(record: dict[str, Any], view: View, base: Formats) -> str:
     view : View
     base : Formats
     """
-    point = Point(record["shading"], record["fraction"], record["subdivision"])
+    point = Point(record["shading"], record["fraction"], record["subdivision"], record["lod"], record["fit"])
     words = [view.scene, "--size", f"{view.width}x{view.height}"]
     options = (("--camera", view.camera), ("--material", view.material))
     words += [word for name, text in options if text for word in (name, text)]
@@ -135,6 +138,8 @@ def command(record: dict[str, Any], view: View, base: Formats) -> str:
         generics = _given(base.generics(), Formats().generics())
         words += ["--shadings", point.shading, "--fractions", str(point.fraction)]
         words += ["--subdivisions", point.subdivision, *generics, "-o", "recommended"]
+        words += [] if point.lod == ALL else ["--lods", point.lod]
+        words += [] if point.fit == FITS[0] else ["--fits", point.fit]
         return shlex.join(["quadshade", "trade", *words])
     # An adaptive picture fits the other generics to what it picks.
     wanted = point.formats(base, view.num_lights).generics()
@@ -142,6 +147,8 @@ def command(record: dict[str, Any], view: View, base: Formats) -> str:
         words += ["--shading", point.shading]
     else:
         words += ["--max-error", f"{point.allowed:g}", "--error-measure", "rms", "--shading", "quadratic"]
+    words += [] if point.lod == ALL else ["--lod", point.lod]
+    words += [] if point.fit == FITS[0] else ["--fit", point.fit]
     # A sweep shows what few fraction bits cost; `render` would divide triangles because of their rounding.
     words += ["--divide", NEVER] if point.fraction < Formats().frac_bits else []
     generics = _given(wanted, Formats().generics())
@@ -165,10 +172,11 @@ def table(records: Sequence[dict[str, Any]]) -> list[str]:
     """
     rows: list[tuple[str, ...]] = [COLUMNS]
     for record in records:
-        cells = [record.get(name) for name in ("bytes", "clocks", "lut4", "dsp", "bram")]
+        cells = [record.get(name) for name in ("bytes", "line", "clocks", "lut4", "dsp", "bram")]
         rows.append(
             (
-                record["shading"], record["subdivision"], str(record["fraction"]), str(record["max_error"]),
+                record["shading"], record["subdivision"], record["lod"], record["fit"],
+                str(record["fraction"]), str(record["max_error"]),
                 f"{record['rms']:.3f}", *("–" if cell is None else str(cell) for cell in cells),
             )
         )  # fmt: skip
@@ -177,7 +185,7 @@ def table(records: Sequence[dict[str, Any]]) -> list[str]:
     for row in rows:
         # Names to the left, numbers to the right.
         aligned = [
-            cell.ljust(width) if column < 2 else cell.rjust(width)
+            cell.ljust(width) if column < 4 else cell.rjust(width)
             for column, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         lines.append("  ".join(aligned).rstrip())

@@ -20,7 +20,7 @@ from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_atomically, write_bytes, write_json
 from quadshade.trade.area import DEVICE, count_cells, no_tools
-from quadshade.trade.grid import Grid, Point
+from quadshade.trade.grid import ALL, Grid, Point
 from quadshade.trade.measure import HEAT_FULL, MEASURED, REFERENCE, Measured, measure, png
 from quadshade.trade.pareto import mark_pareto
 from quadshade.trade.store import forget_others, point_key, stage_digest, store, stored
@@ -31,6 +31,8 @@ POINTS = "points"
 NO_AREA = "--no-area leaves synthesis out"
 """The notice where nobody wants cells."""
 CELLS = ("lut4", "ff", "bram", "dsp")
+Stages = dict[tuple[str, str], Stage]
+"""By subdivision and level of detail."""
 Progress = Callable[[str, int, int], None]
 """Called with what is done (``points`` or ``cores``), how many of it are done, and of how many."""
 
@@ -142,8 +144,8 @@ def sweep(
             drawn = record["refused"] is None
             record["picture"] = f"{POINTS}/{keys[point]}/picture.png" if drawn else None
             record["error_map"] = f"{POINTS}/{keys[point]}/error.png" if drawn else None
-            record["reference"] = references[point.subdivision]
-            if drawn and point.allowed is not None:
+            record["reference"] = references[point.stage]
+            if drawn and point.allowed is not None and not stages[point.stage].is_level:
                 record["reference"] = f"{POINTS}/{keys[point]}/{REFERENCE}"
             records.append(record)
         mark_pareto(records)
@@ -155,20 +157,25 @@ def sweep(
     return result
 
 
-def _stages(view: View, grid: Grid, base: Formats) -> dict[str, Stage]:
-    """Mesh and reference of every subdivision."""
-    projected = view.projected(base)
-    return {name: stage(view, projected, name, base) for name in grid.subdivisions}
+def _stages(view: View, grid: Grid, base: Formats) -> Stages:
+    """Mesh and reference of every subdivision and level of detail."""
+    projected = {lod: view.projected(base, lod) for lod in grid.lods}
+    whole = projected[ALL] if ALL in projected else view.projected(base)
+    return {
+        (name, lod): stage(view, level, name, base, None if lod == ALL else whole)
+        for name in grid.subdivisions
+        for lod, level in projected.items()
+    }
 
 
-def _keys(view: View, grid: Grid, stages: dict[str, Stage], base: Formats, engine: str) -> dict[Point, str]:
+def _keys(view: View, grid: Grid, stages: Stages, base: Formats, engine: str) -> dict[Point, str]:
     """The folder of every point."""
     digests = {name: stage_digest(place) for name, place in stages.items()}
-    return {point: point_key(point, view, digests[point.subdivision], base, engine) for point in grid}
+    return {point: point_key(point, view, digests[point.stage], base, engine) for point in grid}
 
 
 def _measure_missing(
-    stages: dict[str, Stage],
+    stages: Stages,
     keys: dict[Point, str],
     folder: Path,
     base: Formats,
@@ -184,7 +191,7 @@ def _measure_missing(
     if missing:
         with workers(min(jobs, len(missing)), dask) as run:
             calls = (
-                delayed(_measure_named)(point, keys[point], stages[point.subdivision], base, engine)
+                delayed(_measure_named)(point, keys[point], stages[point.stage], base, engine)
                 for point in missing
             )
             for key, measured in run(calls):
@@ -212,12 +219,13 @@ def _count_all(
     return cells
 
 
-def _write_references(stages: dict[str, Stage], folder: Path) -> dict[str, str]:
-    """The Phong-shaded picture of every subdivision, and its name."""
+def _write_references(stages: Stages, folder: Path) -> dict[tuple[str, str], str]:
+    """The Phong-shaded picture of every subdivision, of levels of detail that of all triangles; its name."""
     names = {}
-    for name, place in stages.items():
-        names[name] = f"phong-{name.replace(':', '')}.png"
-        write_bytes(folder / names[name], png(place.reference))
+    for (subdivision, lod), place in stages.items():
+        kind = subdivision.replace(":", "") if lod == ALL else "fine"
+        names[subdivision, lod] = f"phong-{kind}.png"
+        write_bytes(folder / names[subdivision, lod], png(place.reference))
     return names
 
 
@@ -229,6 +237,8 @@ def _write(folder: Path, result: Sweep) -> None:
         "order",
         "fraction",
         "subdivision",
+        "lod",
+        "fit",
         "word_width",
         "mesh_triangles",
         "triangles",

@@ -12,9 +12,10 @@ import numpy as np
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.image import paint, visible
-from quadshade.scene import Projected, load_scene, parse_camera, project
+from quadshade.scene import Mesh, Projected, level_of_detail, load_scene, parse_camera, project
 from quadshade.shading import AmbientLight, Light, Material, parse_light, parse_material, sample
 from quadshade.shading.reference import phong
+from quadshade.trade.grid import ALL
 from quadshade.trade.subdivision import subdivide
 
 BACKGROUND = (0, 0, 0)
@@ -56,17 +57,24 @@ class View:
         """The lights; None for those that go with the viewer."""
         return tuple(map(parse_light, self.lights)) or None
 
-    def projected(self, formats: Formats) -> Projected:
+    @cached_property
+    def mesh(self) -> Mesh:
+        """The scene's mesh, all of it."""
+        return load_scene(self.scene, self.crease)
+
+    def projected(self, formats: Formats, lod: str = ALL) -> Projected:
         """
-        The mesh on the screen.
+        The mesh on the screen, or a level of detail of it, from the same camera.
 
         Raises
         ------
         QuadshadeError
           A scene, camera or size that there is not.
         """
-        mesh = load_scene(self.scene, self.crease)
-        return project(mesh, parse_camera(self.camera, mesh), self.width, self.height, formats, self.cull)
+        mesh, camera = self.mesh, parse_camera(self.camera, self.mesh)
+        if lod != ALL:
+            mesh = level_of_detail(mesh, int(lod), self.scene, self.crease)
+        return project(mesh, camera, self.width, self.height, formats, self.cull)
 
     @property
     def num_lights(self) -> int:
@@ -92,9 +100,12 @@ class Stage:
     lights : tuple of lights or None
     material : Material
     reference : (height, width, 3) uint8
-      Phong shading of the same triangles, with coverage and depth of the core with all its bits.
+      Phong shading of the same triangles, of a level of detail that of all, with coverage and depth of the
+      core with all its bits.
     num_lights : int
       As of the view.
+    is_level : bool
+      The triangles are a level of detail.
     """
 
     projected: Projected
@@ -103,9 +114,12 @@ class Stage:
     material: Material
     reference: np.ndarray
     num_lights: int = 1
+    is_level: bool = False
 
 
-def stage(view: View, projected: Projected, subdivision: str, formats: Formats) -> Stage:
+def stage(
+    view: View, projected: Projected, subdivision: str, formats: Formats, whole: Projected | None = None
+) -> Stage:
     """
     Divide a view's mesh and shade its reference.
 
@@ -117,14 +131,19 @@ def stage(view: View, projected: Projected, subdivision: str, formats: Formats) 
     subdivision : str
     formats : Formats
       Of the reference's coverage and depth: a core with all its bits.
+    whole : Projected, optional
+      All triangles, where ``projected`` is a level of detail of them.
 
     Returns
     -------
     Stage
     """
     parts = subdivide(projected, subdivision, view.lamps, view.surface, formats)
-    reference = phong_picture(parts, view.lamps, view.surface, formats)
-    return Stage(parts, len(projected), view.lamps, view.surface, reference, view.num_lights)
+    seen = parts if whole is None else whole
+    reference = phong_picture(seen, view.lamps, view.surface, formats)
+    return Stage(
+        parts, len(projected), view.lamps, view.surface, reference, view.num_lights, whole is not None
+    )
 
 
 def phong_picture(

@@ -24,6 +24,7 @@ REPORTS = {
     "extremes": "make extremes",
     "continuity": "make continuity",
     "adapt": "make adapt",
+    "density": "make density",
     "throughput": "make throughput",
     "hostspeed": "make hostspeed",
     "demo": "make readme",

@@ -1,6 +1,6 @@
 // Error against cost: dots, filters, the front.
 
-const AXES = { bytes: "set-up bytes a frame", clocks: "clocks a frame", lut4: "LUT4 of the core" };
+const AXES = { bytes: "set-up bytes a frame", clocks: "clocks a frame", lut4: "LUT4 of the core", line: "bytes on the line a frame" };
 const ERRORS = { rms: "rms error, grey levels", psnr: "PSNR, dB", max_error: "worst error, grey levels" };
 const BOX = { left: 74, right: 940, top: 14, bottom: 404 };
 const SHAPES = ["circle", "square", "triangle", "diamond", "cross", "star"];

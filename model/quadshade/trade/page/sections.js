@@ -5,6 +5,7 @@ const TITLES = {
   extremes: "Numbers at the extremes",
   continuity: "Colour across edges",
   adapt: "Spend where it shows",
+  density: "More triangles, or a higher order",
   throughput: "Clocks per pixel",
   hostspeed: "Speed of the host",
   demo: "The spheres, through the VHDL",
