@@ -17,13 +17,13 @@ from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.files.triangle_file import write_triangles
 from quadshade.image import read_picture
-from quadshade.scene import fit_camera, load_scene, project
+from quadshade.scene import fit_camera, load_scene, parse_camera, project
 from quadshade.setup.literature.terms import fit_terms
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.shading import sample
+from quadshade.shading import sample, sample_specular
 from quadshade.shading.lights import DirectionalLight, PointLight
 from quadshade.shading.material import Material
-from quadshade.shading.sample import middle_normals
+from quadshade.shading.sample import SAMPLE_POINTS, middle_normals
 from tests.support.setup_reference import exact_quadratic, screen_triangles
 
 FORMATS = Formats(num_channels=1, with_depth=0)
@@ -166,6 +166,7 @@ def test_render_offers_every_choice(tmp_path):
         "unit": [],
         "general": ["--setup", "general"],
         "xshading": ["--setup", "xshading"],
+        "taylor": ["--setup", "taylor"],
         "fractional": ["--stepping", "fractional"],
         "independent": ["--rounding", "independent", "--generic", "frac_bits=12", "--divide", "100"],
     }.items():
@@ -174,7 +175,7 @@ def test_render_offers_every_choice(tmp_path):
         assert result.exit_code == 0, result.output
         pictures[name] = read_picture(path).astype(int)
     assert np.array_equal(pictures["general"], pictures["unit"])
-    for name in ("xshading", "fractional", "independent"):
+    for name in ("xshading", "taylor", "fractional", "independent"):
         off = np.abs(pictures[name] - pictures["unit"]).max()
         assert 0 < off < 40, name
 
@@ -193,11 +194,71 @@ def test_wrong_choices_are_one_line(options, told, tmp_path):
     assert result.exit_code == 2 and told in result.output and len(result.output.splitlines()) == 1
 
 
-def test_raster_has_no_normals_for_x_shading(tmp_path, rng):
+@pytest.mark.parametrize("method", ["xshading", "taylor"])
+def test_raster_has_no_normals_for_own_samples(tmp_path, rng, method):
     path = tmp_path / "a.json"
     write_triangles(path, mixed_triangles(rng, 3), FORMATS)
-    result = run("raster", path, "-o", tmp_path / "a.npz", "--setup", "xshading")
-    assert result.exit_code == 2 and "xshading" in result.output
+    result = run("raster", path, "-o", tmp_path / "a.npz", "--setup", method)
+    assert result.exit_code == 2 and method in result.output
+
+
+def bishop_and_weimer(normals, light):
+    """
+    T0 .. T5 of L . N / |N| about the origin, N = N1 x + N2 y + N3, as Fast Phong Shading prints them.
+
+    Of x², its coefficient, the printed text that is at hand drops the factor c.
+    """
+    n1, n2, n3 = normals
+    a, b, c = (light @ n for n in normals)
+    d, e, f, g, h, i = n1 @ n1, 2 * n1 @ n2, n2 @ n2, 2 * n1 @ n3, 2 * n2 @ n3, n3 @ n3
+    root = np.sqrt(i)
+    return (
+        c / root,
+        (2 * b * i - c * h) / (2 * i * root),
+        (2 * a * i - c * g) / (2 * i * root),
+        (3 * c * h**2 - 4 * c * f * i - 4 * b * h * i) / (8 * i**2 * root),
+        (3 * c * g * h - 2 * c * e * i - 2 * b * g * i - 2 * a * h * i) / (4 * i**2 * root),
+        (3 * c * g**2 - 4 * c * d * i - 4 * a * g * i) / (8 * i**2 * root),
+    )
+
+
+def test_taylors_quadratic_is_that_of_bishop_and_weimer():
+    """Without perspective, light and viewer far away: the same polynomial of every cosine, at six points."""
+    mesh = load_scene("sphere:168")
+    projected = project(mesh, parse_camera("from=0,0,1,ortho=1.05", mesh), 256, 256)
+    light = np.array([1.0, 2.0, 9.0]) / np.linalg.norm([1, 2, 9])
+    triangles = sample_specular(
+        projected, "quadratic-specular", [DirectionalLight((1, 2, 9))], Material(model="blinn"), taylor=True
+    )
+    half = light + projected.axes[2]
+    half /= np.linalg.norm(half)
+    corners = projected.vertices / 256.0
+    middle = corners.mean(axis=1)
+    places = np.einsum("pk,nki->npi", SAMPLE_POINTS, corners - middle[:, None])
+    worst = 0.0
+    for row in range(len(projected)):
+        system = np.column_stack([corners[row] - middle[row], np.ones(3)])
+        normals = np.linalg.solve(system, projected.normal[row])
+        x, y = places[row].T
+        for channel, vector in ((0, light), (1, half)):
+            t0, t1, t2, t3, t4, t5 = bishop_and_weimer(normals, vector)
+            printed = t5 * x**2 + t4 * x * y + t3 * y**2 + t2 * x + t1 * y + t0
+            off = triangles.samples[row, channel] / 255 - np.clip(printed, -1, 1)
+            worst = max(worst, np.abs(off).max())
+    assert worst < 1e-4
+
+
+def test_taylors_quadratic_is_best_at_the_middle():
+    mesh = load_scene("sphere:168")
+    projected = project(mesh, parse_camera("from=0,0,1,ortho=1.05", mesh), 256, 256)
+    exact = sample(projected, "flat").samples[:, :, 0]
+    shares = np.array([-1, -1, -1, 4, 4, 4]) / 9
+    six, expanded = sample(projected).samples, sample(projected, taylor=True).samples
+    # A sample that is held in the output's range is not Taylor's any more.
+    whole = ((expanded > 0) & (expanded < 255)).all(axis=2)
+    assert whole.sum() > 50
+    off = [np.abs(samples @ shares - exact)[whole].max() for samples in (six, expanded)]
+    assert off[1] < 1e-6 < off[0]
 
 
 def test_unknown_method_is_refused(rng):

@@ -48,16 +48,20 @@ JUMP = 0.02
 SUPERSAMPLES = (1, 2, 4)
 """Frames along each side of a pixel that a picture may be the mean of."""
 
-SETUPS = ("unit", "abbas", "general", "xshading")
+SETUPS = ("unit", "abbas", "general", "xshading", "taylor")
 """
 ``unit``      the unit triangle, set up on the pixel lattice with a bound of its own error: the default
 ``abbas``     the printed formulas, the bottom vertex at the origin (Abbas et al., section 3)
 ``general``   six equations in six unknowns (Barrera et al., equations 8-11)
 ``xshading``  the unit triangle, mid-edge samples with the normals of Barrera et al., equation 27
+``taylor``    the unit triangle, Taylor's quadratic at its middle (Bishop and Weimer)
 """
 
-SAMPLED_SETUPS = tuple(method for method in SETUPS if method != "xshading")
-"""Methods for samples that are given; X-shading takes normals."""
+OWN_SAMPLES = ("xshading", "taylor")
+"""Methods that take samples of their own, which needs normals."""
+
+SAMPLED_SETUPS = tuple(method for method in SETUPS if method not in OWN_SAMPLES)
+"""Methods for samples that are given."""
 
 ROUNDINGS = ("joint", "independent")
 STEPPINGS = ("centre", "fractional")

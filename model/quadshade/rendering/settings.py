@@ -12,6 +12,7 @@ from quadshade.choices import (
     ADAPTIVE_SHADINGS,
     DEFAULT_SHADING,
     FITS,
+    OWN_SAMPLES,
     PHONG,
     SETUPS,
     SHADING_ORDERS,
@@ -190,8 +191,8 @@ class RenderSettings:
             raise QuadshadeError(
                 f"--fit {self.scene.fit} with --max-error or --budget, which choose orders", "leave one out"
             )
-        if self.setup.setup == "xshading":
-            raise QuadshadeError("--setup xshading takes its own samples", "use another --setup")
+        if self.setup.setup in OWN_SAMPLES:
+            raise QuadshadeError(f"--setup {self.setup.setup} takes its own samples", "use another --setup")
 
     def styled(self) -> RenderSettings:
         """
@@ -274,7 +275,13 @@ def reference_settings(
     kept = {name: generics[name] for name in COVERAGE_GENERICS}
     plain = RenderSettings(
         replace(
-            settings.scene, shading=PHONG, size=size, generics=kept, fit=FITS[0], smoothness=None, jump=None,
+            settings.scene,
+            shading=PHONG,
+            size=size,
+            generics=kept,
+            fit=FITS[0],
+            smoothness=None,
+            jump=None,
             lod=None,
         ),
         style=replace(settings.style, gbuffer=None),

@@ -220,7 +220,8 @@ def shade_scene(
         adapted = adapted_scene(settings, shown, formats, reports, count_line or default_count(settings))
         return Shaded(adapted.triangles, adapted.formats, adapted)
     choice = settings.scene
-    shading, x_shading = choice.interpolation, settings.setup.setup == "xshading"
+    shading, method = choice.interpolation, settings.setup.setup
+    x_shading, taylor = method == "xshading", method == "taylor"
     projected, lights, surface = shown.projected, shown.lights, shown.surface
     if shading in SPECULAR_ORDERS:
         try:
@@ -228,7 +229,9 @@ def shade_scene(
             fitted = specular_formats(
                 choice.set_generics, projected, lights, surface, choice.toon is not None
             )
-            triangles = sample_specular(projected, shading, lights, surface, fitted, x_shading, curves)
+            triangles = sample_specular(
+                projected, shading, lights, surface, fitted, x_shading, curves, taylor
+            )
             return Shaded(_fitted(settings, shown, triangles, fitted, reports), fitted, None)
         except UnsuitedError as reason:
             shading = shading.removesuffix("-specular").replace("linear", "gouraud")
@@ -236,7 +239,7 @@ def shade_scene(
             check_colours(formats)
             reports.notice(f"drawn as {shading}{steps}: {reason}")
     order = "flat" if shading == PHONG else shading
-    triangles = sample(projected, order, lights, surface, formats, x_shading)
+    triangles = sample(projected, order, lights, surface, formats, x_shading, taylor)
     triangles = _fitted(settings, shown, triangles, formats, reports)
     return Shaded(widened(triangles, formats.num_channels), formats, None)
 

@@ -186,7 +186,7 @@ def setup_triangles(
     method : str
       Where the coefficients of quadratic channels come from: one of
       :data:`quadshade.setup.literature.terms.SETUPS`.
-      ``xshading`` is ``unit`` here: it differs in its samples.
+      ``xshading`` and ``taylor`` are ``unit`` here: they differ in their samples.
     limit : float, optional
       Most that the bound of a colour channel may be, in output units. A triangle beyond it is divided: drawn
       by several primitives, each of a part of the screen. With ``fractional`` it is not, because there a

@@ -17,6 +17,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
+from quadshade.shading.taylor import expansion
 
 CHANNELS = ("r", "g", "b")
 
@@ -26,6 +27,10 @@ SAMPLE_POINTS = np.array(
 """Where I1, I2, I3, I12, I13, I23 are taken, in barycentric coordinates of the screen."""
 
 CENTRE = np.full((1, 3), 1 / 3)
+
+TAYLOR_POINTS, TAYLOR_SHARES = expansion(SAMPLE_POINTS, CENTRE)
+"""Where Taylor's quadratic at the centre is taken from, and shares of these values in the six samples."""
+
 CHUNK = 2048
 """Triangles shaded at a time: what lies between the steps stays in the cache."""
 
@@ -37,6 +42,7 @@ def sample(
     material: Material | None = None,
     formats: Formats | None = None,
     x_shading: bool = False,
+    taylor: bool = False,
 ) -> ScreenTriangles:
     """
     Shade each triangle at the points that its order needs (Abbas et al., section 3).
@@ -53,6 +59,8 @@ def sample(
       Gives the largest value and whether there is a depth channel.
     x_shading : bool
       Middles of edges take their normals from :func:`middle_normals` (quadratic shading).
+    taylor : bool
+      Values of Taylor's quadratic at the centre (:mod:`quadshade.shading.taylor`; quadratic shading).
 
     Returns
     -------
@@ -71,12 +79,15 @@ def sample(
         raise QuadshadeError(f"the shading is {shading!r}", f"give one of {', '.join(SHADING_ORDERS)}")
     order = SHADING_ORDERS[shading]
     points = CENTRE if order == CONSTANT else SAMPLE_POINTS[: 3 if order == LINEAR else 6]
-    count = len(projected)
+    count, taylor = len(projected), taylor and order == QUADRATIC
+    places = TAYLOR_POINTS if taylor else points
     samples = np.zeros((count, len(CHANNELS), len(SAMPLE_POINTS)))
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
         normal = middle_normals(projected.normal[rows]) if x_shading and order == QUADRATIC else None
-        light = reflected(projected, np.arange(count)[rows], points, lights, material, normal)
+        light = reflected(projected, np.arange(count)[rows], places, lights, material, normal)
+        if taylor:
+            light = TAYLOR_SHARES @ light
         samples[rows, :, : len(points)] = full_scale(light, formats).transpose(0, 2, 1)
     return ScreenTriangles(
         projected.width,

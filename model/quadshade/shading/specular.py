@@ -29,7 +29,14 @@ from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import AmbientLight, Light, PointedLight, default_lights
 from quadshade.shading.material import Material, dot
-from quadshade.shading.sample import CHUNK, SAMPLE_POINTS, middle_normals, surface
+from quadshade.shading.sample import (
+    CHUNK,
+    SAMPLE_POINTS,
+    TAYLOR_POINTS,
+    TAYLOR_SHARES,
+    middle_normals,
+    surface,
+)
 
 MAX_CHANNELS = 8
 EXPONENTS = (1, 1024)
@@ -122,6 +129,7 @@ def sample_specular(
     formats: Formats | None = None,
     x_shading: bool = False,
     curves: tuple[Curve, Curve] | None = None,
+    taylor: bool = False,
 ) -> ScreenTriangles:
     """
     Take the diffuse and the specular cosine of each light at the points that a triangle's order needs.
@@ -143,6 +151,8 @@ def sample_specular(
       :func:`quadshade.contract.shade_state.curve_table` takes them,
       :func:`quadshade.shading.toon.toon_curves` for example; the formats then have a table for
       every channel (``through_tables``). A highlight on the dark side is then not cut. By default the power.
+    taylor : bool
+      Values of the cosines' Taylor quadratics at the centre (:mod:`quadshade.shading.taylor`).
 
     Returns
     -------
@@ -166,9 +176,13 @@ def sample_specular(
         formats = specular_formats({}, projected, lights, material, through_tables)
     pointed = specular_lights(projected, lights, material)
     points = SAMPLE_POINTS[: 3 if order == LINEAR else 6]
+    taylor = taylor and order == QUADRATIC
+    places = TAYLOR_POINTS if taylor else points
     diffuse, specular, strength = cosines(
-        projected, pointed, material, points, x_shading=x_shading and order == QUADRATIC
+        projected, pointed, material, places, x_shading=x_shading and order == QUADRATIC
     )
+    if taylor:
+        diffuse, specular = (np.clip(values @ TAYLOR_SHARES.T, -1, 1) for values in (diffuse, specular))
     first_specular = len(pointed) if through_tables else formats.num_channels - formats.num_specular
     samples = np.zeros((len(projected), formats.num_channels, len(SAMPLE_POINTS)))
     orders = np.full((len(projected), formats.num_channels), CONSTANT, dtype=np.int64)

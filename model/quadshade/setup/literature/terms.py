@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from quadshade.choices import SETUPS
+from quadshade.choices import OWN_SAMPLES, SETUPS
 from quadshade.contract.arrays import Floats, Ints
 from quadshade.errors import QuadshadeError
 from quadshade.setup.edges import EdgeState, Head
@@ -77,7 +77,7 @@ def fit_terms(method: str, vertices: np.ndarray, samples: np.ndarray, subpixel_b
     """
     if method not in SETUPS:
         raise QuadshadeError(f"there is no set-up {method!r}", f"give one of {', '.join(SETUPS)}")
-    if method in ("unit", "xshading"):
+    if method in ("unit", *OWN_SAMPLES):
         return None
     count, channels = samples.shape[:2]
     origins = np.zeros(count, dtype=np.int64)
