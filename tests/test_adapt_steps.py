@@ -8,7 +8,7 @@ import pytest
 
 from quadshade.adapt import ColourShader, choose, cosine_fit, polynomial_fit
 from quadshade.adapt.choose import Goal, choose_orders, settle
-from quadshade.adapt.part_memory import Assessed, PartMemory
+from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
 from quadshade.adapt.polynomial_fit import POINTS, fit, fit_at, shape_functions
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.scene import Projected, fit_camera, load_scene, project
@@ -120,15 +120,16 @@ def test_parts_are_assessed_once_and_forgotten_when_they_are_many() -> None:
         return Assessed(values, values, values[:, None], values, values, none)
 
     memory, root = PartMemory(assess, most=len(whole) + 5), np.arange(len(whole))
-    first, part = memory.assessed(whole, root)
+    undivided = np.full(len(whole), WHOLE)
+    first, part = memory.assessed(whole, root, undivided, root)
     assert (first.pixels == whole.vertices.sum(axis=(1, 2))).all()
     assert len(np.unique(part)) == len(whole) == asked[0]
     some = np.array([5, 1, 1])
-    again, numbers = memory.assessed(whole.ordered(some), root[some])
+    again, numbers = memory.assessed(whole.ordered(some), root[some], undivided[some], root[some])
     assert (again.pixels == first.pixels[some]).all() and (numbers == part[some]).all()
     assert asked == [len(whole)]
-    # The same place in another triangle of the mesh is another part; room for it is made.
-    other, fresh = memory.assessed(whole.ordered(some[:1]), root[some[:1]] + 1)
+    # A part of a part is another part, though it may be at the same place; room for it is made.
+    other, fresh = memory.assessed(whole.ordered(some[:1]), root[some[:1]], part[some[:1]], root[:1])
     assert asked == [len(whole), 1] and fresh[0] not in part and other.pixels[0] == first.pixels[5]
-    _, renewed = memory.assessed(whole, root)
+    _, renewed = memory.assessed(whole, root, undivided, root)
     assert asked[-1] == len(whole) and not set(renewed.tolist()) & {*part.tolist(), *fresh.tolist()}

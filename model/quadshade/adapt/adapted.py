@@ -12,6 +12,7 @@ import numpy as np
 from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
+from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import Adapted, LineCount, Planner, Rival
 from quadshade.adapt.shader import ColourShader, Shader
 from quadshade.choices import MEASURES, UNITS, check_word
@@ -66,10 +67,14 @@ class ErrorCurve:
         self.measure, self.verify = measure, verify
         self.curves: list[Curve] = []
         self.refused: dict[str, QuadshadeError] = {}
+        phong: PhongPixels | None = None
         for kind in SHADERS if shading == "auto" else (shading,):
             try:
-                shader = _shader(kind, projected, lights, material, formats, specular, measure)
-                self.curves.append(Curve(Planner(projected, shader, count_line), verify))
+                shader = _shader(kind, projected, lights, material, formats, specular, measure, verify)
+                if phong is None:
+                    # Cosines' core has the same output and sub-pixels as that of colours.
+                    phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
+                self.curves.append(Curve(Planner(projected, shader, phong, count_line), verify))
             except QuadshadeError as reason:
                 self.refused[kind] = reason
         if not self.curves:
@@ -87,10 +92,15 @@ class ErrorCurve:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
         first = [curve.picture(curve.first_within(max_error)) for curve in self.curves]
         enough = HOPELESS * min(picture.cost("bytes") for picture in first)
-        pictures = [
-            curve.cheapest(max_error, "bytes") if picture.cost("bytes") <= enough else picture
-            for curve, picture in zip(self.curves, first, strict=True)
-        ]
+        most = min((p.cost("bytes") for p in first if p.error <= max_error), default=math.inf)
+        pictures: list[Picture] = []
+        for curve, picture in sorted(
+            zip(self.curves, first, strict=True), key=lambda pair: pair[1].cost("bytes")
+        ):
+            if picture.cost("bytes") <= enough:
+                picture = curve.cheapest(max_error, "bytes", most)
+                most = min(most, picture.cost("bytes") if picture.error <= max_error else math.inf)
+            pictures.append(picture)
         pictures.sort(key=lambda picture: (picture.error > max_error, picture.cost("bytes")))
         return self._adapted(pictures, self.refused)
 
@@ -209,10 +219,11 @@ def _shader(
     formats: Formats | None,
     specular: Formats | None,
     measure: str,
+    verify: bool,
 ) -> Shader:
     """What shades for one choice of channels."""
     if kind == ColourShader.shading:
-        return ColourShader(lights, material, formats, projected, measure)
+        return ColourShader(lights, material, formats, projected, measure, even=verify)
     if specular is None:
         given = {} if formats is None else formats.generics()
         if not given.get("with_shade"):

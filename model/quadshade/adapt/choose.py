@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from quadshade.adapt.shader import Choice, Shader, Surface, chosen_samples
-from quadshade.scene.subdivide import Edges, shared_edges, split_edges
+from quadshade.scene.subdivide import CHILDREN, Edges, children, possible_splits, shared_edges, split_edges
 
 SHORT = 0.12
 """Of a triangle's longest edge; shorter ones are not split for its sake."""
@@ -49,8 +50,9 @@ class Decision:
       Estimated largest difference before the output is rounded, set-up's rounding bound included (``max``).
     square : (n,) float64
       Estimated mean square of the differences, summed over the colours (``rms``).
-    gain : (n, 3) float64
-      Words (or their price) saved if edge 0-1, 1-2 or 2-0 is split.
+    gain : function
+      Asked for only where something is divided: (n, 3) float64, words (or their price) saved if edge 0-1, 1-2
+      or 2-0 is split.
     wanting : (n,) bool
       Triangles that may be divided.
     forced : bool
@@ -61,7 +63,7 @@ class Decision:
     samples: np.ndarray
     largest: np.ndarray
     square: np.ndarray
-    gain: np.ndarray
+    gain: Callable[[], np.ndarray]
     wanting: np.ndarray
     forced: bool
 
@@ -90,12 +92,19 @@ def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
     if shader.measure == "max":
         allowed = goal.allowed[surface.root] - bound
         chosen = shader.choose(assessed, allowed)
-        gain = _gain_max(chosen, shader.choose_halves(assessed, allowed), allowed, shader.orders[-1])
         wanting, largest, square = (chosen.error > allowed) & several, chosen.error + bound, nothing
+
+        def gain() -> np.ndarray:
+            halves = shader.choose_halves(assessed, allowed)
+            return _gain_max(chosen, halves, allowed, shader.orders[-1])
+
     else:
         price = goal.price / np.maximum(pixels, 1e-9)
         chosen = shader.choose(assessed, price)
-        gain = _gain_rms(chosen, shader.choose_halves(assessed, 2 * price), pixels, goal.price)
+
+        def gain() -> np.ndarray:
+            return _gain_rms(chosen, shader.choose_halves(assessed, 2 * price), pixels, goal.price)
+
         wanting, largest, square = several, nothing, chosen.error
     samples = chosen_samples(assessed, chosen.orders)
     return Decision(chosen.orders, samples, largest, square, gain, wanting, shader.measure == "max")
@@ -127,10 +136,10 @@ def _gain_rms(chosen: Choice, halves: Choice, pixels: np.ndarray, price: float) 
 
 def _marks(surface: Surface, decision: Decision) -> tuple[Edges, np.ndarray]:
     """Edges of the surface, and which of them to split: for each triangle the one that saves most."""
-    edges = shared_edges(surface.projected.vertices)
-    total = np.bincount(edges.index.ravel(), decision.gain.ravel(), minlength=len(edges))
+    edges, gain = shared_edges(surface.projected.vertices), decision.gain()
+    total = np.bincount(edges.index.ravel(), gain.ravel(), minlength=len(edges))
     # What the neighbour loses counts; what it wins is its own reason to ask for the edge.
-    value = decision.gain + np.minimum(total[edges.index] - decision.gain, 0)
+    value = gain + np.minimum(total[edges.index] - gain, 0)
     # Short edges stay, so that parts do not become slivers.
     length = np.linalg.norm(edges.ends[:, 1] - edges.ends[:, 0], axis=1)[edges.index]
     value[length < SHORT * length.max(axis=1, keepdims=True)] = -np.inf
@@ -156,13 +165,18 @@ def divide(surface: Surface, decision: Decision, shader: Shader) -> Surface:
     Surface
       The same object where nothing was divided.
     """
-    edges, marks = _marks(surface, decision)
+    if not decision.wanting.any():
+        return surface
+    edges, wanted = _marks(surface, decision)
+    marks = possible_splits(surface.projected, edges, wanted)
     projected, parent = split_edges(surface.projected, edges, marks)
     if len(projected) == len(surface.root):
         return surface
     fresh = np.flatnonzero((np.bincount(parent) > 1)[parent])
     root = surface.root[parent]
-    new = shader.surface(projected.ordered(fresh), root[fresh])
+    number, splits = children(parent), edges.splits(marks)[parent]
+    mine = surface.part[parent[fresh]], len(CHILDREN) * number[fresh] + splits[fresh]
+    new = shader.parts(projected.ordered(fresh), root[fresh], *mine)
     assessed, part = surface.assessed.take(parent), surface.part[parent]
     assessed.put(fresh, new.assessed)
     part[fresh] = new.part

@@ -8,12 +8,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from quadshade.adapt.polynomial_fit import EQUALISING, Fit, better_fit, equalised, weighted_fit
+from quadshade.adapt.polynomial_fit import EQUALISING, Fit
+from quadshade.adapt.polynomial_loops import CosineKind, best_cosines
 
 DARK = 0.02
 """Weight of a point in the dark, where a diffuse cosine only has to be negative."""
-FAINT = 1e-4
-"""Weight of a point without specular light."""
 SECANTS = 2
 """Repetitions with the power's slope between the cosine and what it became."""
 
@@ -37,31 +36,24 @@ class CosineChannel:
     used: np.ndarray
     scale: np.ndarray
 
-    def difference(self, drawn: np.ndarray) -> np.ndarray:
-        """(n, lights, p) output units that drawn cosines are off by, at least 0."""
+    @property
+    def extra(self) -> np.ndarray:
+        """(n, lights, p) see :func:`quadshade.adapt.polynomial_loops.best_cosines`."""
         raise NotImplementedError
+
+    def kind(self, measure: str, once: bool = False) -> CosineKind:
+        """How the loops measure it."""
+        return CosineKind(False, 1.0, 1, measure == "max", SECANTS, EQUALISING, once)
 
     def at(self, points: np.ndarray) -> CosineChannel:
         """At some of the points."""
         return _at(self, points)
 
-    def again(self, drawn: np.ndarray) -> np.ndarray:
-        """Weights (n, lights, p) with which to fit again."""
-        return self.weight
-
     def levels(self, measure: str) -> np.ndarray | None:
         """(n, lights, 1) the best constant, where it is not the nearest one."""
         return None
 
-    def fit(self, samples: np.ndarray, shape: np.ndarray) -> Fit:
-        """What (n, lights, m) samples are, once brought into the range that the core takes."""
-        samples = np.clip(samples, -1, 1)
-        rest = self.difference(samples @ np.swapaxes(shape, 1, 2)) * self.used
-        padded = np.zeros((*samples.shape[:2], 6))
-        padded[..., : samples.shape[2]] = samples
-        return Fit(padded, rest.max(axis=-1), (rest**2).sum(axis=-1) / self.used.sum(axis=-1))
-
-    def best(self, shape: np.ndarray, through: np.ndarray | None, measure: str) -> Fit:
+    def best(self, shape: np.ndarray, through: np.ndarray | None, measure: str, once: bool = False) -> Fit:
         """
         The best of several polynomials of one order.
 
@@ -71,25 +63,19 @@ class CosineChannel:
         through : (n, lights, m) float or None
           Samples of the one that is not fitted.
         measure : str
+        once : bool
+          Only that which is nearest by the weights.
         """
-        first = weighted_fit(shape, self.value, self.used.astype(np.float64))
-        best = self.fit(first, shape)
-        for samples in (through, self.levels(measure) if shape.shape[-1] == 1 else None):
-            if samples is not None:
-                best = better_fit(best, self.fit(samples, shape), measure)
-        weights = self.weight
-        for step in range(1 + SECANTS):
-            samples = np.clip(weighted_fit(shape, self.value, weights), -1, 1)
-            best = better_fit(best, self.fit(samples, shape), measure)
-            if step < SECANTS:
-                weights = self.again(samples @ np.swapaxes(shape, 1, 2))
-        if measure == "max" and shape.shape[-1] > 1:
-            for _ in range(EQUALISING):
-                rest = self.difference(samples @ np.swapaxes(shape, 1, 2)) * self.used
-                weights = equalised(weights, rest)
-                samples = np.clip(weighted_fit(shape, self.value, weights), -1, 1)
-                best = better_fit(best, self.fit(samples, shape), measure)
-        return best
+        others = [through, self.levels(measure) if shape.shape[-1] == 1 and not once else None]
+        given = [samples for samples in others if samples is not None]
+        tried = np.stack(given) if given else np.empty((0, *self.value.shape[:2], shape.shape[-1]))
+        arrays = self.value, self.weight, self.used, self.extra
+        value, weight, used, extra = (np.ascontiguousarray(values) for values in arrays)
+        fitted = best_cosines(
+            self.kind(measure, once), np.ascontiguousarray(shape), value, weight, used,
+            extra.astype(np.float64), np.ascontiguousarray(self.scale[:, 0]), tried,
+        )  # fmt: skip
+        return Fit(*fitted)
 
 
 @dataclass(frozen=True)
@@ -105,10 +91,10 @@ class Diffuse(CosineChannel):
 
     shine: np.ndarray
 
-    def difference(self, drawn: np.ndarray) -> np.ndarray:
-        """See :meth:`CosineChannel.difference`."""
-        off = abs(np.maximum(drawn, 0) - np.maximum(self.value, 0)) * self.scale
-        return off + ((drawn > 0) != (self.value > 0)) * self.shine
+    @property
+    def extra(self) -> np.ndarray:
+        """See :attr:`CosineChannel.extra`."""
+        return self.shine
 
     def at(self, points: np.ndarray) -> Diffuse:
         """At some of the points."""
@@ -138,16 +124,15 @@ class Specular(CosineChannel):
         """What the table makes of a cosine."""
         return np.clip(cosine, 0, 1) ** self.exponent
 
-    def difference(self, drawn: np.ndarray) -> np.ndarray:
-        """See :meth:`CosineChannel.difference`."""
-        return abs(self.power(drawn) - self.power(self.value)) * self.lit * self.scale
+    @property
+    def extra(self) -> np.ndarray:
+        """See :attr:`CosineChannel.extra`."""
+        return self.lit
 
-    def again(self, drawn: np.ndarray) -> np.ndarray:
-        """See :meth:`CosineChannel.again`."""
-        step = abs(drawn - self.value)
-        rise = abs(self.power(drawn) - self.power(self.value))
-        slope = np.where(step > 1e-9, rise / np.maximum(step, 1e-9), self.weight * self.exponent)
-        return self.used * (self.lit * slope / self.exponent + FAINT)
+    def kind(self, measure: str, once: bool = False) -> CosineKind:
+        """See :meth:`CosineChannel.kind`."""
+        whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
+        return CosineKind(True, self.exponent, whole, measure == "max", SECANTS, EQUALISING, once)
 
     def levels(self, measure: str) -> np.ndarray:
         """See :meth:`CosineChannel.levels`."""

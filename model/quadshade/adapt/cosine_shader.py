@@ -8,9 +8,10 @@ from itertools import product
 
 import numpy as np
 
-from quadshade.adapt.cosine_fit import DARK, FAINT, Diffuse, Specular
+from quadshade.adapt.cosine_fit import DARK, Diffuse, Specular
 from quadshade.adapt.part_memory import Assessed
-from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions, weighted_fit
+from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions
+from quadshade.adapt.polynomial_loops import FAINT, CosineKind, joint_errors
 from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
 from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import Formats
@@ -134,8 +135,8 @@ class CosineShader(Shader):
                     own = slice(kind * len(self.pointed), (kind + 1) * len(self.pointed))
                     for index, order in enumerate(self.orders):
                         shape = shape_functions(POINTS[points], order)[None]
-                        samples = weighted_fit(shape, part.value, part.weight)
-                        half[:, edge, side, own, index] = part.fit(samples, shape).by(self.measure)
+                        fitted = part.best(shape, None, self.measure, once=True)
+                        half[:, edge, side, own, index] = fitted.by(self.measure)
         margin = MARGIN if self.measure == "max" else 1.0
         return {"half": half * margin, "steepest": channels[1].slope.max(axis=-1)}
 
@@ -207,7 +208,9 @@ class CosineShader(Shader):
             )
             for part in fits
         ]
-        errors = self._joint_errors(drawn, options, self.shade(projected, barycentric), used)
+        errors = self._joint_errors(
+            drawn, options, self.shade(projected, barycentric).transpose(0, 2, 1), used
+        )
         if nodes is not None and self.measure == "max":
             errors *= MARGIN
         return {"samples": samples * self.full, "options": options, "errors": errors}
@@ -216,7 +219,7 @@ class CosineShader(Shader):
         """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""
         count, channels = errors.shape[:2]
         if self.combinations is not None:
-            options = np.broadcast_to(self.combinations, (count, *self.combinations.shape))
+            return np.broadcast_to(self.free_orders(self.combinations), (count, *self.combinations.shape))
         else:
             levels = self.full * 0.5 ** np.arange(LEVELS)
             good = errors[:, None] <= levels[:, None, None]
@@ -228,25 +231,13 @@ class CosineShader(Shader):
         self, drawn: list[np.ndarray], options: np.ndarray, true: np.ndarray, used: np.ndarray
     ) -> np.ndarray:
         """(n, k) errors of colours; ``drawn`` are both kinds' cosines (n, lights, orders, p)."""
-        facing = np.maximum(drawn[0], 0)
-        shine = np.clip(drawn[1], 0, 1) ** self.exponent
-        lights, errors = len(self.pointed), np.empty(options.shape[:2])
-        counts = np.broadcast_to(used, (len(true), used.shape[1])).sum(axis=1)
-
-        def pick(values: np.ndarray, orders: np.ndarray) -> np.ndarray:
-            return np.take_along_axis(values, orders[:, :, None, None], axis=2)[:, :, 0]
-
-        for option in range(options.shape[1]):
-            diffuse = pick(facing, options[:, option, :lights])
-            specular = pick(shine, options[:, option, lights:]) * (diffuse > 0)
-            colour = self.ambient[:, None] + np.einsum("nlp,lc->ncp", diffuse, self.diffuse)
-            colour += np.einsum("nlp,lc->ncp", specular, self.specular)
-            rest = (np.clip(colour, 0, self.full) - true) * used[:, None]
-            if self.measure == "max":
-                errors[:, option] = abs(rest).max(axis=(1, 2))
-            else:
-                errors[:, option] = (rest**2).sum(axis=(1, 2)) / counts
-        return errors
+        facing, towards = (np.ascontiguousarray(values) for values in drawn)
+        whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
+        kind = CosineKind(True, float(self.exponent), whole, self.measure == "max", 0, 0, False)
+        return joint_errors(
+            kind, facing, towards, np.ascontiguousarray(options), np.ascontiguousarray(true), used,
+            self.ambient, self.diffuse, self.specular, self.full,
+        )  # fmt: skip
 
     def _choose(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
         """The cheapest of (..., k) options of (..., k, channels) orders."""

@@ -67,7 +67,7 @@ class Picture(NamedTuple):
 
     def cost(self, unit: str) -> int:
         """What it takes, in ``bytes``, ``clocks`` or bytes on the ``line``."""
-        return int(getattr(self.plan, unit))
+        return self.plan.cost(unit)
 
 
 class Curve:
@@ -88,23 +88,33 @@ class Curve:
             self.steps = error_limits(planner.shader.full)
         else:
             self.steps = np.geomspace(HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS)
+        self._plans: dict[int, Plan] = {}
         self._known: dict[int, Picture] = {}
 
     def __len__(self) -> int:
         return len(self.steps)
 
+    def plan(self, index: int) -> Plan:
+        """The plan for a limit or a price, not drawn yet and so not mended."""
+        if index not in self._plans:
+            step = float(self.steps[index])
+            limited = self.planner.measure == "max"
+            make = self.planner.first_for_limit if limited else self.planner.for_price
+            self._plans[index] = make(step)
+        return self._plans[index]
+
+    def least_bytes(self, index: int) -> int:
+        """What the picture for a limit takes at least; 0 for a price."""
+        return self.planner.least_bytes(float(self.steps[index])) if self.planner.measure == "max" else 0
+
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""
         if index not in self._known:
-            self._known[index] = self._made(float(self.steps[index]))
+            plan = self.plan(index)
+            if self.planner.measure == "max":
+                plan = self.planner.mended(plan, float(self.steps[index]), self.verify)
+            self._known[index] = Picture(plan, plan.error(self.verify))
         return self._known[index]
-
-    def _made(self, step: float) -> Picture:
-        if self.planner.measure == "max":
-            plan = self.planner.for_limit(step, self.verify)
-        else:
-            plan = self.planner.for_price(step)
-        return Picture(plan, plan.error(self.verify))
 
     def _first(self, good: Callable[[Picture], bool]) -> int:
         """By bisection: the loosest picture that is good, if all that are stricter are; else the last."""
@@ -134,23 +144,55 @@ class Curve:
                 break
         return tried
 
-    def cheapest(self, error: float, unit: str) -> Picture:
+    def cheapest(self, error: float, unit: str, most: float = np.inf) -> Picture:
         """
         The picture that takes least of those that keep an error.
 
-        Where there is none, the one whose error is least of those for the strictest limits.
+        Where there is none, the one whose error is least of those for the strictest limits. A plan that takes
+        more than a picture that is known is not drawn: mending seldom makes it cheaper.
+
+        Parameters
+        ----------
+        error : float
+        unit : str
+        most : float
+          What a picture takes that keeps the error and is known already; dearer ones than that are of no
+          interest, but for the first.
         """
         first = self.first_within(error)
-        tried = self._stricter(first, unit, DEARER * self.picture(first).cost(unit))
-        missed = 0
-        while first > 0 and missed < MISSES:
-            first -= 1
-            tried.append(self.picture(first))
-            missed = 0 if tried[-1].error <= error else missed + 1
+        tried = [self.picture(first)]
+        enough, dear = DEARER * tried[0].cost(unit), 0
+        if tried[0].error <= error:
+            most = min(most, tried[0].cost(unit))
+
+        def draw(index: int) -> bool:
+            """Whether a picture is drawn, and keeps the error."""
+            nonlocal most
+            if unit == "bytes" and self.least_bytes(index) > most:
+                return False
+            if self.plan(index).cost(unit) > most:
+                return False
+            tried.append(self.picture(index))
+            good = tried[-1].error <= error
+            most = min(most, tried[-1].cost(unit)) if good else most
+            return good
+
+        index, missed = first, 0
+        while index > 0 and missed < MISSES:
+            index -= 1
+            missed = 0 if draw(index) else missed + 1
+        for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
+            if unit == "bytes" and self.least_bytes(index) > min(most, enough):
+                break
+            dear = dear + 1 if self.plan(index).cost(unit) > enough else 0
+            if dear == MISSES:
+                break
+            draw(index)
         kept = [picture for picture in tried if picture.error <= error]
         if not kept and self.planner.measure == "max":
             # Less than the strictest limit in the row.
-            tried.append(self._made(error))
+            plan = self.planner.for_limit(error, self.verify)
+            tried.append(Picture(plan, plan.error(self.verify)))
             kept = [picture for picture in tried[-1:] if picture.error <= error]
         if not kept:
             return min(tried, key=lambda picture: (picture.error, picture.cost(unit)))

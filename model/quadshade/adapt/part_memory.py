@@ -8,8 +8,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.scene.project import Projected
 
+WHOLE = -1
+"""The parent of what is undivided."""
 MOST_PARTS = 1 << 16
 """Remembered at a time, beside those of one call; about a kilobyte each."""
 
@@ -76,11 +79,13 @@ class PartMemory:
 
     def __init__(self, assess: Callable[[Projected, np.ndarray], Assessed], most: int = MOST_PARTS) -> None:
         self._assess, self._most = assess, most
-        self._rows: dict[bytes, int] = {}
+        self._numbers = PairNumbers()
         self._store: Assessed | None = None
         self._forgotten = 0
 
-    def assessed(self, projected: Projected, root: np.ndarray) -> tuple[Assessed, np.ndarray]:
+    def assessed(
+        self, projected: Projected, root: np.ndarray, parent: np.ndarray, child: np.ndarray
+    ) -> tuple[Assessed, np.ndarray]:
         """
         What is known of triangles.
 
@@ -88,6 +93,9 @@ class PartMemory:
         ----------
         projected : Projected
         root : (n,) int64
+        parent, child : (n,) int64
+          The number of the part that each is a part of, and which part of it; ``WHOLE`` and the root for a
+          triangle of the undivided mesh. What a part is follows from them.
 
         Returns
         -------
@@ -95,34 +103,18 @@ class PartMemory:
         part : (n,) int64
           A number for each: the same triangle has the same one until it is forgotten, and no other has it.
         """
-        keys = _keys(projected, root)
-        if len(self._rows) + len(keys) > self._most:
-            self._forgotten += len(self._rows)
-            self._rows, self._store = {}, None
-        known, new = len(self._rows), []
-        for index, key in enumerate(keys):
-            if key not in self._rows:
-                self._rows[key] = len(self._rows)
-                new.append(index)
-        if new or self._store is None:
-            rows = np.array(new, dtype=np.int64)
+        if len(self._numbers) + len(root) > self._most:
+            self._forgotten += len(self._numbers)
+            self._numbers, self._store = PairNumbers(), None
+        known = len(self._numbers)
+        part = self._numbers.numbers(parent, child)
+        new, first = np.unique(part, return_index=True)
+        rows = first[new >= known]
+        if len(rows) or self._store is None:
             made = self._assess(projected.ordered(rows), root[rows])
             store = made.resized(0) if self._store is None else self._store
-            if len(store.pixels) < len(self._rows):
-                store = store.resized(max(len(self._rows), 2 * len(store.pixels)))
-            store.put(slice(known, len(self._rows)), made)
+            if len(store.pixels) < len(self._numbers):
+                store = store.resized(max(len(self._numbers), 2 * len(store.pixels)))
+            store.put(slice(known, len(self._numbers)), made)
             self._store = store
-        part = np.array([self._rows[key] for key in keys], dtype=np.int64)
         return self._store.take(part), part + self._forgotten
-
-
-def _keys(projected: Projected, root: np.ndarray) -> list[bytes]:
-    """All that shading, covering and rounding of each triangle depend on, as bytes."""
-    if not len(root):
-        return []
-    parts = [root, projected.vertices, projected.position, projected.normal, projected.weight]
-    if projected.colour is not None:
-        parts.append(projected.colour)
-    columns = [np.asarray(values, dtype=np.float64).reshape(len(root), -1) for values in parts]
-    table = np.ascontiguousarray(np.concatenate(columns, axis=1))
-    return table.view(f"V{table.shape[1] * table.itemsize}").ravel().tolist()

@@ -10,14 +10,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, divide, settle
-from quadshade.adapt.costs import core_clocks, pixel_errors, state_bytes, stream_bytes
+from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, choose_orders, divide, settle
+from quadshade.adapt.costs import core_clocks, state_bytes, stream_bytes
+from quadshade.adapt.pair_numbers import PairNumbers
+from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.shader import Shader, Surface
 from quadshade.contract.formats import ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.engine import draw
 from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
+from quadshade.setup.packet import packet_words
+from quadshade.setup.triangle_setup import setup_triangles
 
 LineCount = Callable[[ScreenTriangles, Formats], int]
 """Bytes on the serial line, of triangles for a core."""
@@ -114,15 +117,60 @@ class Adapted:
         }
 
 
+@dataclass(frozen=True)
+class Undivided:
+    """
+    Bytes of an undivided mesh.
+
+    Attributes
+    ----------
+    shader : Shader
+    packets : (n,) int64
+      Of each triangle.
+    words : int
+      Of all packets, every channel constant.
+    state : int
+      Bytes of the shade unit's state.
+    """
+
+    shader: Shader
+    packets: np.ndarray
+    words: int
+    state: int
+
+    def bytes(self, orders: np.ndarray) -> int:
+        """What (n, channels) orders take."""
+        constant = self.shader.words(np.zeros(orders.shape[1], int))
+        more = (self.shader.words(orders) - constant) @ self.packets
+        return 4 * (self.words + int(np.rint(more))) + self.state
+
+
 class Planner:
-    """One mesh and one kind of channels, planned for one goal after another."""
+    """
+    One mesh and one kind of channels, planned for one goal after another.
+
+    Parameters
+    ----------
+    projected : Projected
+    shader : Shader
+    phong : PhongPixels, optional
+      Of the mesh, where planners share it.
+    count_line : callable
+      Bytes on the serial line, of triangles for a core.
+    """
 
     def __init__(
-        self, projected: Projected, shader: Shader, count_line: LineCount = picture_line_bytes
+        self,
+        projected: Projected,
+        shader: Shader,
+        phong: PhongPixels | None = None,
+        count_line: LineCount = picture_line_bytes,
     ) -> None:
         self.shader, self.measure, self.count_line = shader, shader.measure, count_line
-        self.whole = shader.surface(projected)
-        self._drawn: dict[int, tuple[float, float, int]] = {}
+        if phong is None:
+            phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
+        self.whole, self.phong = shader.surface(projected), phong
+        self._numbers, self._drawn = PairNumbers(), np.empty((0, 3))
 
     def settled(self, allowed: np.ndarray, price: float, surface: Surface | None = None) -> Plan:
         """
@@ -144,14 +192,45 @@ class Planner:
         """(roots,) float64 the same for every triangle of the undivided mesh."""
         return np.full(len(self.whole.root), value)
 
-    def for_limit(self, max_error: float, verify: bool) -> Plan:
-        """
-        The plan for a largest error; verified, no pixel is off by more, if that can be had.
+    def first_for_limit(self, max_error: float) -> Plan:
+        """The plan for a largest error as far as estimates go."""
+        return self.settled(self.everywhere(max_error - OUTPUT_ROUNDING), 0.0)
 
-        Where one is, its triangle gets a stricter limit; where that does not help it is halved.
+    def least_bytes(self, max_error: float) -> int:
+        """What the plan for a largest error takes at least: undivided, which is cheaper than divided."""
+        goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
+        orders = choose_orders(self.whole, self.shader, goal).orders
+        return self._undivided.bytes(orders)
+
+    @cached_property
+    def _undivided(self) -> Undivided:
+        """What the packets of the undivided mesh take, for any orders."""
+        samples = np.zeros((len(self.whole.root), len(self.shader.place), 6))
+        triangles = self.shader.screen_triangles(
+            self.whole.projected, samples, np.zeros(samples.shape[:2], int)
+        )
+        primitives = setup_triangles(triangles, self.shader.formats)
+        count = len(triangles)
+        words = packet_words(primitives.orders, primitives.header["has_second"], self.shader.formats)
+        return Undivided(
+            self.shader,
+            np.bincount(primitives.triangle, minlength=count),
+            int(words.sum()),
+            state_bytes(triangles),
+        )
+
+    def for_limit(self, max_error: float, verify: bool) -> Plan:
+        """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
+        return self.mended(self.first_for_limit(max_error), max_error, verify)
+
+    def mended(self, plan: Plan, max_error: float, verify: bool) -> Plan:
+        """
+        A plan for a largest error, drawn and planned again until it keeps it.
+
+        Where a pixel is off by more, its triangle gets a stricter limit; where that does not help it is
+        halved.
         """
         allowed = self.everywhere(max_error - OUTPUT_ROUNDING)
-        plan = self.settled(allowed, 0.0)
         for attempt in range(VERIFY_ROUNDS if verify else 0):
             over = np.flatnonzero(plan.drawn().largest > max_error)
             if not len(over):
@@ -180,23 +259,18 @@ class Planner:
         surface : Surface
           Whose parts they are.
         """
-        shader, orders = self.shader, triangles.orders
+        orders = triangles.orders
         kinds = len(ORDER_NAMES) ** np.arange(orders.shape[1])
-        keys = (surface.part * len(ORDER_NAMES) ** orders.shape[1] + orders @ kinds).tolist()
-        new = np.array([row for row, key in enumerate(keys) if key not in self._drawn], dtype=np.int64)
-        if len(new):
-            pixels = draw(triangles.ordered(new), shader.formats).pixels
-            errors = pixel_errors(
-                pixels, surface.root[new], self.whole.projected, shader.lights, shader.material,
-                shader.formats,
-            )  # fmt: skip
-            largest = np.zeros(len(new))
-            np.maximum.at(largest, pixels.triangle, errors.max(axis=1))
-            square = np.bincount(pixels.triangle, (errors**2).sum(axis=1), len(new))
-            count = np.bincount(pixels.triangle, minlength=len(new))
-            for row, *errors_of_part in zip(new, largest, square, count, strict=True):
-                self._drawn[keys[row]] = tuple(errors_of_part)
-        table = np.array([self._drawn[key] for key in keys]).reshape(-1, 3)
+        known = len(self._numbers)
+        number = self._numbers.numbers(surface.part, orders @ kinds)
+        new, first = np.unique(number, return_index=True)
+        rows = first[new >= known]
+        if len(rows):
+            errors = self.phong.errors(triangles.ordered(rows), surface.root[rows], self.shader.formats)
+            if len(self._drawn) < len(self._numbers):
+                self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 3))])
+            self._drawn[new[new >= known]] = errors
+        table = self._drawn[number]
         return PartErrors(*table.T)
 
 
@@ -248,6 +322,10 @@ class Plan:
     def error(self, verify: bool) -> float:
         """The error by the plan's measure: drawn, or estimated."""
         return self.drawn().by(self.planner.measure) if verify else self.estimated()
+
+    def cost(self, unit: str) -> int:
+        """What it takes, in ``bytes``, ``clocks`` or bytes on the ``line``."""
+        return int(getattr(self, unit))
 
     @cached_property
     def bytes(self) -> int:

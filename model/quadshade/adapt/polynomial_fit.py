@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.adapt import polynomial_loops
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC
 
 DEGREE = 6
 EQUALISING = 6
 """Steps towards equal extremes."""
-RIDGE = 1e-10
 ORDERS = (CONSTANT, LINEAR, QUADRATIC)
 
 
@@ -138,15 +138,8 @@ def weighted_fit(shape: np.ndarray, values: np.ndarray, weights: np.ndarray) -> 
     (n, channels, m) float64
       Samples.
     """
-    shape = shape[:, None]
-    mean = (weights * values).sum(axis=-1, keepdims=True) / weights.sum(axis=-1, keepdims=True)
-    weighted = weights[..., None] * shape
-    matrix = np.swapaxes(weighted, -1, -2) @ shape
-    right = np.swapaxes(weighted, -1, -2) @ (values - mean)[..., None]
-    size = shape.shape[-1]
-    # Shape functions sum to 1, so what this pulls to zero is the distance from the mean.
-    little = RIDGE * np.trace(matrix, axis1=-2, axis2=-1)[..., None, None] * np.eye(size)
-    return np.linalg.solve(matrix + little, right)[..., 0] + mean
+    floats = (np.ascontiguousarray(array, dtype=np.float64) for array in (shape, values, weights))
+    return polynomial_loops.weighted_fit(*floats)
 
 
 def fit_at(
@@ -157,9 +150,9 @@ def fit_at(
 
     Parameters
     ----------
-    points : (n, p, 3) float
+    points : (1 or n, p, 3) float
       Barycentric coordinates.
-    used : (n, p) bool
+    used : (1 or n, p) bool
       Which of them count, at least one.
     values : (n, channels, p) float64
     order, full, measure
@@ -169,25 +162,14 @@ def fit_at(
     -------
     Fit
     """
-    shape, counts = shape_functions(points, order), used[:, None]
-    weights = np.broadcast_to(counts, values.shape).astype(np.float64)
-    best: Fit | None = None
-    for _ in range(1 + EQUALISING * (measure == "max")):
-        samples = np.clip(weighted_fit(shape, values, weights), 0, full)
-        rest = abs(np.clip(samples @ np.swapaxes(shape, 1, 2), 0, full) - values) * counts
-        padded = np.zeros((*values.shape[:2], 6))
-        padded[..., : samples.shape[2]] = samples
-        tried = Fit(padded, rest.max(axis=2), (rest**2).sum(axis=2) / counts.sum(axis=2))
-        best = tried if best is None else better_fit(best, tried, measure)
-        weights = equalised(weights, rest)
-    assert best is not None
-    return best
-
-
-def equalised(weights: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Lawson's next weights (..., p) on the way to the least largest difference; ``rest`` is not negative."""
-    raised = weights * (rest / np.maximum(rest.max(axis=-1, keepdims=True), 1e-12) + 1e-3)
-    return raised / np.maximum(raised.sum(axis=-1, keepdims=True), 1e-300)
+    shape = np.ascontiguousarray(shape_functions(points, order))
+    largest = measure == "max"
+    rounds = 1 + EQUALISING * largest
+    return Fit(
+        *polynomial_loops.lawson_fits(
+            shape, np.ascontiguousarray(values), np.ascontiguousarray(used), full, largest, rounds
+        )
+    )
 
 
 def better_fit(best: Fit, tried: Fit, measure: str) -> Fit:

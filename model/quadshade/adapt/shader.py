@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.adapt.part_memory import Assessed, PartMemory
-from quadshade.adapt.polynomial_fit import ORDERS, POINTS, fit, fit_at, split_errors
+from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
+from quadshade.adapt.polynomial_fit import ORDERS, POINTS, Fit, better_fit, fit, fit_at, split_errors
 from quadshade.adapt.small_triangles import PixelCentres, pixel_centres
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
 from quadshade.contract.shade_state import ShadeState
@@ -19,6 +19,7 @@ from quadshade.scene.project import Projected
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
+from quadshade.shading.phong_loops import lit_mesh, shade_places
 from quadshade.shading.sample import CHANNELS, CHUNK, full_scale, reflected
 
 MARGIN = 1.08
@@ -100,10 +101,14 @@ class Shader:
         if self.formats.with_depth:
             self.packet_words += NUM_DIFFERENCES[LINEAR] * share[-1]
 
-    def surface(self, projected: Projected, root: np.ndarray | None = None) -> Surface:
-        """A mesh, shaded and fitted; without ``root`` the undivided one."""
-        root = np.arange(len(projected)) if root is None else root
-        return Surface(projected, root, *self.memory.assessed(projected, root))
+    def surface(self, projected: Projected) -> Surface:
+        """An undivided mesh, shaded and fitted."""
+        root = np.arange(len(projected))
+        return self.parts(projected, root, np.full(len(root), WHOLE), root)
+
+    def parts(self, projected: Projected, root: np.ndarray, parent: np.ndarray, child: np.ndarray) -> Surface:
+        """Parts of triangles, shaded and fitted; see :meth:`PartMemory.assessed`."""
+        return Surface(projected, root, *self.memory.assessed(projected, root, parent, child))
 
     def assess(self, projected: Projected, root: np.ndarray) -> Assessed:
         """What each triangle's pixels and samples say about every order, not remembered."""
@@ -136,6 +141,10 @@ class Shader:
 
     def shade(self, projected: Projected, points: np.ndarray) -> np.ndarray:
         """(n, 3, p) float64 true shading at (p, 3) or (n, p, 3) points."""
+        lit = lit_mesh(projected, self.lights, self.material, self.full)
+        if lit is not None:
+            places = np.ascontiguousarray(points if points.ndim == 3 else points[None], dtype=np.float64)
+            return shade_places(lit, np.arange(len(projected)), places).transpose(0, 2, 1)
         values = np.empty((len(projected), len(CHANNELS), points.shape[-2]))
         for start in range(0, len(projected), CHUNK):
             rows = np.arange(start, min(start + CHUNK, len(projected)))
@@ -184,7 +193,12 @@ class Shader:
 
 
 class ColourShader(Shader):
-    """Red, green and blue, each of an order of its own: channels need not know of each other."""
+    """
+    Red, green and blue, each of an order of its own: channels need not know of each other.
+
+    With ``even`` polynomials of large triangles are tried whose differences Lawson's iteration evens out at
+    the grid's points. Between them such a polynomial is off by more, so drawings have to be verified.
+    """
 
     shading = "quadratic"
     names = CHANNELS
@@ -196,7 +210,9 @@ class ColourShader(Shader):
         formats: Formats | None,
         projected: Projected,
         measure: str = "max",
+        even: bool = True,
     ) -> None:
+        self.even = even
         formats = Formats() if formats is None else formats
         got = formats.num_channels
         if got < len(CHANNELS) or (got > len(CHANNELS) and not formats.with_shade):
@@ -206,7 +222,7 @@ class ColourShader(Shader):
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, 3, orders), of halves (n, 3, 2, 3, orders)."""
         values = self.shade(projected, POINTS)
-        fits = [fit(values, order, self.full, self.measure) for order in self.orders]
+        fits = [self._fitted(values, order) for order in self.orders]
         samples = np.stack([one.samples for one in fits], axis=2)
         halves = np.stack([split_errors(values, order, self.measure) for order in self.orders], axis=-1)
         margin = MARGIN if self.measure == "max" else 1.0
@@ -219,6 +235,15 @@ class ColourShader(Shader):
         bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
         no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
         return Assessed(centres.pixels, bound, samples, errors, halves * margin, no_options)
+
+    def _fitted(self, values: np.ndarray, order: int) -> Fit:
+        """The best polynomial at the grid's points."""
+        best = fit(values, order, self.full, self.measure)
+        if self.even and self.measure == "max" and order != CONSTANT:
+            everywhere = np.ones((1, len(POINTS)), dtype=bool)
+            even = fit_at(POINTS[None], everywhere, values, order, self.full, self.measure)
+            best = better_fit(best, even, self.measure)
+        return best
 
     def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
         if self.measure == "max":

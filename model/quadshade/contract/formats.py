@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from numbers import Integral
 from typing import NamedTuple
 
@@ -268,8 +269,7 @@ class Formats:
     @property
     def core(self) -> Formats:
         """Formats of the rasteriser core within: with shade its lanes emit more bits of the same values."""
-        plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
-        return replace(self, value_bits=self.lane_value_bits, frac_bits=self.lane_frac_bits, **plain)
+        return _core(self)
 
     def core_generics(self) -> dict[str, int]:
         """Generics of the rasteriser core alone by VHDL name."""
@@ -372,3 +372,10 @@ def parse_generics(values: Iterable[str]) -> dict[str, int]:
             raise QuadshadeError(f"generic {name} is {value[:40]!r}", "give a whole number")
         settings[name] = int(value)
     return settings
+
+
+@lru_cache
+def _core(formats: Formats) -> Formats:
+    """See :attr:`Formats.core`; evaluated once, as frames ask for it many times."""
+    plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
+    return replace(formats, value_bits=formats.lane_value_bits, frac_bits=formats.lane_frac_bits, **plain)

@@ -77,6 +77,10 @@ class Edges:
         marks[self.index[wanted]] = True
         return marks
 
+    def splits(self, marks: np.ndarray) -> np.ndarray:
+        """(n,) int64 which edges of each triangle (edges,) marks split, bit e: edge e."""
+        return marks[self.index] @ (1 << np.arange(3))
+
 
 def point_indices(vertices: np.ndarray) -> np.ndarray:
     """(n, 3) int64: a number for each place on the screen that (n, 3, 2) sub-pixel vertices take."""
@@ -140,6 +144,22 @@ def divided(projected: Projected, parent: np.ndarray, corners: np.ndarray, verti
     )
 
 
+def _sound(
+    projected: Projected, edges: Edges, marks: np.ndarray, share: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(edges,) bool: those of the marked edges that can be split, and (edges, 2) where."""
+    marks = marks.copy()
+    middle = subdivide_loops.new_vertices(edges.ends, share, marks)
+    vertices = np.asarray(projected.vertices, dtype=np.int64)
+    subdivide_loops.sound_marks(vertices, edges.index, marks, middle, CHILDREN, COUNTS)
+    return marks, middle
+
+
+def possible_splits(projected: Projected, edges: Edges, marks: np.ndarray) -> np.ndarray:
+    """(edges,) bool: those of the marked edges that :func:`split_edges` splits in the middle."""
+    return _sound(projected, edges, marks, np.empty(0))[0]
+
+
 def split_edges(
     projected: Projected, edges: Edges, marks: np.ndarray, share: np.ndarray | None = None
 ) -> tuple[Projected, np.ndarray]:
@@ -164,15 +184,18 @@ def split_edges(
     parent : (m,) int64
       The triangle that each part is of.
     """
-    marks = marks.copy()
     share = np.empty(0) if share is None else share
-    middle = subdivide_loops.new_vertices(edges.ends, share, marks)
+    marks, middle = _sound(projected, edges, marks, share)
     vertices = np.asarray(projected.vertices, dtype=np.int64)
-    subdivide_loops.sound_marks(vertices, edges.index, marks, middle, CHILDREN, COUNTS)
     parent, barycentric, vertices = subdivide_loops.parts(
         vertices, edges.index, edges.reversed, marks, middle, share, CHILDREN, COUNTS
     )
     return divided(projected, parent, barycentric, vertices), parent
+
+
+def children(parent: np.ndarray) -> np.ndarray:
+    """(m,) int64 which part of its triangle each is, from 0, by the sorted (m,) triangles."""
+    return np.arange(len(parent)) - np.searchsorted(parent, parent)
 
 
 def refine(projected: Projected, wanted: np.ndarray) -> tuple[Projected, np.ndarray]:

@@ -17,7 +17,7 @@ def _slot(one: int, other: int, mask: int) -> int:
 
 
 @njit(cache=True)
-def _slots(count: int) -> Ints:
+def empty_slots(count: int) -> Ints:
     """An empty table for so many pairs, at least half free."""
     size = 16
     while size < 2 * count:
@@ -26,7 +26,7 @@ def _slots(count: int) -> Ints:
 
 
 @njit(cache=True)
-def _numbered(slots: Ints, pairs: Ints, count: int, one: int, other: int) -> int:
+def numbered(slots: Ints, pairs: Ints, count: int, one: int, other: int) -> int:
     """The number of a pair among ``count`` ones; one that is new gets the next."""
     mask = len(slots) - 1
     at = _slot(one, other, mask)
@@ -44,10 +44,10 @@ def _numbered(slots: Ints, pairs: Ints, count: int, one: int, other: int) -> int
 def place_numbers(vertices: Ints) -> tuple[Ints, Ints]:
     """(n, 3) a number for each place that (n, 3, 2) vertices take, and (places, 2) the places."""
     ids = np.empty(vertices.shape[:2], np.int64)
-    slots, places, count = _slots(ids.size), np.empty((ids.size, 2), np.int64), 0
+    slots, places, count = empty_slots(ids.size), np.empty((ids.size, 2), np.int64), 0
     for index in range(len(vertices)):
         for corner in range(3):
-            number = _numbered(slots, places, count, vertices[index, corner, 0], vertices[index, corner, 1])
+            number = numbered(slots, places, count, vertices[index, corner, 0], vertices[index, corner, 1])
             count = max(count, number + 1)
             ids[index, corner] = number
     return ids, places[:count]
@@ -57,7 +57,7 @@ def place_numbers(vertices: Ints) -> tuple[Ints, Ints]:
 def edge_numbers(ids: Ints, places: Ints) -> tuple[Ints, Bools, Ints]:
     """(n, 3) numbers of edges 0-1, 1-2, 2-0, whether they are run from the second end, (edges, 2, 2) ends."""
     index, turned = np.empty(ids.shape, np.int64), np.empty(ids.shape, np.bool_)
-    slots, pairs, count = _slots(ids.size), np.empty((ids.size, 2), np.int64), 0
+    slots, pairs, count = empty_slots(ids.size), np.empty((ids.size, 2), np.int64), 0
     for row in range(len(ids)):
         for corner in range(3):
             start, end = ids[row, corner], ids[row, (corner + 1) % 3]
@@ -65,7 +65,7 @@ def edge_numbers(ids: Ints, places: Ints) -> tuple[Ints, Bools, Ints]:
             turned[row, corner] = x < 0 or (x == 0 and y < 0)
             if turned[row, corner]:
                 start, end = end, start
-            number = _numbered(slots, pairs, count, start, end)
+            number = numbered(slots, pairs, count, start, end)
             count = max(count, number + 1)
             index[row, corner] = number
     ends = np.empty((count, 2, 2), np.int64)
@@ -78,9 +78,9 @@ def edge_numbers(ids: Ints, places: Ints) -> tuple[Ints, Bools, Ints]:
 @njit(cache=True)
 def touching(vertices: Ints, chosen: Ints) -> Bools:
     """(n,) whether triangles have a corner at one of (k, 2) places."""
-    slots, places, count = _slots(len(chosen)), np.empty((len(chosen), 2), np.int64), 0
+    slots, places, count = empty_slots(len(chosen)), np.empty((len(chosen), 2), np.int64), 0
     for index in range(len(chosen)):
-        number = _numbered(slots, places, count, chosen[index, 0], chosen[index, 1])
+        number = numbered(slots, places, count, chosen[index, 0], chosen[index, 1])
         count = max(count, number + 1)
     mask, out = len(slots) - 1, np.zeros(len(vertices), np.bool_)
     for index in range(len(vertices)):

@@ -14,6 +14,7 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
+from quadshade.shading.phong_loops import lit_mesh, shade_pixels
 from quadshade.shading.sample import full_scale, reflected
 
 CHUNK = 1 << 16
@@ -156,6 +157,10 @@ def phong(
     formats = Formats() if formats is None else formats
     material = Material() if material is None else material
     lights = default_lights(projected.axes) if lights is None else lights
+    lit = lit_mesh(projected, lights, material, 2.0**formats.value_bits - 1)
+    if lit is not None:
+        owner, column, line = (np.ascontiguousarray(array, dtype=np.int64) for array in (triangle, x, y))
+        return shade_pixels(lit, owner, column, line, formats.subpixel_bits)
     values = np.empty((len(triangle), 3))
     for rows in _chunks(len(triangle)):
         weights = barycentric(projected.vertices, triangle[rows], x[rows], y[rows], formats.subpixel_bits)

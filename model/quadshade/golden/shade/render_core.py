@@ -51,7 +51,7 @@ def draw_scalar(
     ]
 
 
-class _Given(NamedTuple):
+class ShadeGiven(NamedTuple):
     """The shade unit's state and formats, as the kernel needs them: see :class:`ShadeState`."""
 
     ambient: Ints
@@ -79,7 +79,7 @@ def _power(value: Int, table: Ints, lane_value_bits: int) -> Int:
 
 
 @numba.njit(cache=True)
-def _shade(value: np.ndarray, given: _Given) -> np.ndarray:
+def shade_values(value: np.ndarray, given: ShadeGiven) -> np.ndarray:
     """(n, 3) int32 colours of (n, channels) values, as ``shade.shade``."""
     ambient, coefficients, tables, linear, gated, lane_value_bits, value_bits = given
     channels, specular = len(coefficients), len(tables)
@@ -106,6 +106,21 @@ def _shade(value: np.ndarray, given: _Given) -> np.ndarray:
     return out
 
 
+def shade_given(state: ShadeState, formats: Formats) -> ShadeGiven:
+    """What :func:`shade_values` takes."""
+    tables = np.zeros((formats.num_specular, table_entries(formats)), np.int64)
+    tables[:, : state.tables.shape[1]] = state.tables
+    return ShadeGiven(
+        state.ambient,
+        state.coefficients,
+        tables,
+        state.linear,
+        state.gated,
+        formats.lane_value_bits,
+        formats.value_bits,
+    )
+
+
 def shade_fast(value: np.ndarray, state: ShadeState, formats: Formats) -> np.ndarray:
     """
     Colours of many pixels.
@@ -121,18 +136,7 @@ def shade_fast(value: np.ndarray, state: ShadeState, formats: Formats) -> np.nda
     -------
     (n, 3) int32
     """
-    tables = np.zeros((formats.num_specular, table_entries(formats)), np.int64)
-    tables[:, : state.tables.shape[1]] = state.tables
-    given = _Given(
-        state.ambient,
-        state.coefficients,
-        tables,
-        state.linear,
-        state.gated,
-        formats.lane_value_bits,
-        formats.value_bits,
-    )
-    return _shade(value, given)
+    return shade_values(value, shade_given(state, formats))
 
 
 def draw(
