@@ -15,6 +15,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource, full_speed
 from cocotb_tests.support.link_stimuli import good_area
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import EDGE_BYTES
 from quadshade.golden.link.frame_receiver import Reach
@@ -235,3 +236,51 @@ async def reset_ends_a_read(dut: Any) -> None:
         plane = planes[index % len(planes)]
         bench.check("CRC of a plane", await driver.frame_crc(plane), driver.model.frame_crc(plane), index)
     bench.finish(at_least=48)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def resets(dut: Any, speed: str) -> None:
+    """A reset amid pixels, a clear, a read or a plane's CRC: the screen is cleared, nothing else is left."""
+    bench = Bench(dut, Config, f"resets {speed}")
+    await bench.start(*INPUTS)
+    reach = bench.config.reach()
+    planes = [number for number, size in enumerate(reach.plane_bytes) if size]
+    batches = list(overlapping(bench))
+    # What stands at the port: a reset clears to it.
+    colour = 0
+
+    async def work() -> None:
+        nonlocal colour
+        driver = Driver(bench, speed)
+        driver.model.clear(colour)
+        colour = 0
+        await bench.edge()
+        await driver.settle()
+        for pixels in bench.draw.sample(batches, 1):
+            driver.offer(pixels)
+            await driver.settle()
+            area = good_area(bench.draw, reach, 20)
+            expected = driver.model.read(**{name: area[name] for name in AREA})
+            bench.check("bytes of an area", await driver.read(area), expected, None, area)
+            await driver.settle()
+            plane = bench.draw.choice(planes)
+            crc = await driver.frame_crc(plane)
+            bench.check("CRC of a plane", crc, driver.model.frame_crc(plane), None, plane)
+            await driver.settle()
+            colour = bench.bits(32)
+            await driver.clear(colour)
+            await driver.settle()
+        colour = 0
+        await driver.clear(colour)
+
+    events = (
+        ("pixel_valid", "pixel_ready"),
+        ("read_valid", "read_ready"),
+        "read_data_valid",
+        ("frame_crc_valid", "frame_crc_ready"),
+        "frame_crc_done",
+        ("clear_valid", "clear_ready"),
+    )
+    await reset_amid(bench, work, events, 10, quiet=("read_data_valid", "frame_crc_done", "idle"))
+    bench.finish(at_least=40)
