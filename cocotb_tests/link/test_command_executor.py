@@ -11,7 +11,8 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
 from cocotb_tests.support.command_recorder import READ_FIELDS, CommandRecorder
-from cocotb_tests.support.link_stimuli import good_payload
+from cocotb_tests.support.link_stimuli import MOST_WORDS, good_payload
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import Opcode
 from quadshade.golden.link.command_executor import begin, execute
@@ -37,17 +38,22 @@ def test_command_executor(config: Config) -> None:
     simulate("command_executor", config)
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def commands(dut: Any, source: str, sink: str) -> None:
-    bench = Bench(dut, Config, f"commands {source} {sink}")
-    inputs = ("core_idle", "fifo_valid", "fifo_data", "frame_crc_done", "frame_crc_value", "result_taken")
-    await bench.start(*inputs, *(f"{name}_ready" for name in PORTS))
-    draw, recorder, fifo = bench.draw, CommandRecorder(), FrameFifo(1 << 20)
+INPUTS = ("core_idle", "fifo_valid", "fifo_data", "frame_crc_done", "frame_crc_value", "result_taken")
+
+
+async def start(dut: Any, test: str) -> Bench:
+    """The bench after reset."""
+    bench = Bench(dut, Config, test)
+    await bench.start(*INPUTS, *(f"{name}_ready" for name in PORTS))
+    return bench
+
+
+async def run(bench: Bench, source: str, sink: str, opcodes: list[Opcode], most_words: int) -> None:
+    """Commands through the unit, with the core and all else that they ask, against the model."""
+    dut, draw, recorder, fifo = bench.dut, bench.draw, CommandRecorder(), FrameFifo(1 << 20)
     words, results = [], []
-    for index in range(80):
-        opcode = draw.choice(COMMANDS)
-        payload = good_payload(draw, opcode)
+    for index, opcode in enumerate(opcodes):
+        payload = good_payload(draw, opcode, most_words)
         frame = bytes([opcode, index]) + len(payload).to_bytes(2, "little") + payload
         words += [int.from_bytes(frame[at : at + 4], "little") for at in range(0, len(frame), 4)]
         results += [(opcode, index)] if opcode in (Opcode.READ, Opcode.FRAME_CRC) else []
@@ -60,8 +66,9 @@ async def commands(dut: Any, source: str, sink: str) -> None:
         dut.fifo_valid, dut.fifo_ready, [dut.fifo_data], [(word,) for word in words], SPEEDS[source](draw)
     )
     speeds = {name: SPEEDS[sink](draw) for name in PORTS}
+    end = bench.cycle + 20000
     busy, crc_in, crc, got, answered, was_idle = 0, 0, 0, [], [], True
-    while (len(got) < len(recorder.done) or len(answered) < len(results)) and bench.cycle < 20000:
+    while (len(got) < len(recorder.done) or len(answered) < len(results)) and bench.cycle < end:
         going.drive()
         ready = {name: next(go) for name, go in speeds.items()}
         for name, value in ready.items():
@@ -98,4 +105,24 @@ async def commands(dut: Any, source: str, sink: str) -> None:
     bench.check_all("request", got, recorder.done)
     bench.check_all("result", answered, results)
     bench.check("all was taken", going.empty, True)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def commands(dut: Any, source: str, sink: str) -> None:
+    bench = await start(dut, f"commands {source} {sink}")
+    await run(bench, source, sink, bench.draw.choices(COMMANDS, k=80), MOST_WORDS)
+    bench.finish(at_least=500)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def resets(dut: Any) -> None:
+    bench = await start(dut, "resets")
+
+    async def work() -> None:
+        await run(bench, "throttled", "throttled", bench.draw.sample(COMMANDS, len(COMMANDS)), 3)
+
+    taken = [(f"{name}_valid", f"{name}_ready") for name in ("fifo", *PORTS)]
+    quiet = [*(f"{name}_valid" for name in PORTS), "result_due"]
+    await reset_amid(bench, work, [*taken, "frame_crc_done", ("result_due", "result_taken")], quiet=quiet)
     bench.finish(at_least=500)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource
+from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.contract.packed_format import size_of
@@ -159,6 +160,58 @@ async def every_begin_and_a_full_list(dut: Any) -> None:
         model.reset()
         await bench.reset()
     bench.finish(at_least=33)
+
+
+def packet_of(bench: Bench, changes: list[tuple[int, int]]) -> np.ndarray:
+    """(m,) uint32: a packet that changes the widths of these addresses to these, with any bits behind them."""
+    formats = bench.config.formats
+    address_bits, width_bits = size_of("width_address_bits", formats), size_of("width_bits", formats)
+    bits, place = 1, 1
+    for address, width in changes:
+        bits |= (1 | address << 1 | width << 1 + address_bits) << place
+        place += 1 + address_bits + width_bits
+    # The zero that ends the list, and more than any packet has.
+    bits |= bench.draw.getrandbits(32 * 70) << place + 1
+    count = (place >> 5) + 70
+    return np.array([bits >> 32 * at & 0xFFFFFFFF for at in range(count)], np.uint32)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_width_is_changed(dut: Any) -> None:
+    """A packet changes the width of every address, in any order; another one that of a single address."""
+    bench = Bench(dut, Config, "every_width_is_changed")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats, draw = bench.config.formats, bench.draw
+    addresses = range(1 << size_of("width_address_bits", formats))
+    most = 1 << size_of("width_bits", formats)
+    for some in (len(addresses), len(addresses), 1):
+        changes = [(address, draw.randrange(most)) for address in draw.sample(addresses, some)]
+        words = packet_of(bench, changes)
+        model = WordUnpacker(formats)
+        setup_words, _ = await unpack(bench, words, "full_speed", "full_speed")
+        whole = model.feed(words).tolist()
+        bench.check_all("set-up word", setup_words, whole + model.begun)
+        bench.check("busy", bool(dut.busy.value), model.within)
+        await bench.reset()
+    bench.finish(at_least=30)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def resets(dut: Any) -> None:
+    """A reset at every stage of a packet: widths and orders are forgotten, the next packet is whole."""
+    bench = Bench(dut, Config, "resets")
+    await bench.start("packed_valid", "packed_data", "setup_ready")
+    formats = bench.config.formats
+    batch = pack_primitives(setup_triangles(triangles_of(bench, 1), formats, limit=None), formats)
+    expected = pack(batch.primitives, formats).tolist()
+
+    async def work() -> None:
+        setup_words, _ = await unpack(bench, batch.words, "throttled", "throttled")
+        bench.check_all("set-up word", setup_words, expected)
+
+    events = (("packed_valid", "packed_ready"), ("setup_valid", "setup_ready"), "busy")
+    await reset_amid(bench, work, events, rounds=12, quiet=("setup_valid",))
+    bench.finish(at_least=30)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
