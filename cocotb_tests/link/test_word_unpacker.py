@@ -163,7 +163,7 @@ async def every_begin_and_a_full_list(dut: Any) -> None:
 
 
 def packet_of(bench: Bench, changes: list[tuple[int, int]]) -> np.ndarray:
-    """(m,) uint32: a packet that changes the widths of these addresses to these, with any bits behind them."""
+    """(m,) uint32: a packet that changes the widths of addresses, with any bits behind its list."""
     formats = bench.config.formats
     address_bits, width_bits = size_of("width_address_bits", formats), size_of("width_bits", formats)
     bits, place = 1, 1
