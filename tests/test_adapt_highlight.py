@@ -17,6 +17,7 @@ from quadshade.adapt import (
 from quadshade.adapt.highlight import to_light
 from quadshade.scene import fit_camera, load_scene, project
 from quadshade.scene.project import Projected, doubled_area
+from quadshade.scene.subdivide import divided, refine
 from quadshade.shading import AmbientLight, DirectionalLight, PointLight
 
 STEPS = 48
@@ -170,3 +171,19 @@ def test_highlight_subdivision_follows_its_threshold() -> None:
     projected, lights = projected_scene("sphere:374"), random_lights(3, 5)
     sizes = [len(highlight_subdivision(projected, lights, threshold=t).projected) for t in (0.3, 0.05)]
     assert len(projected) < sizes[0] < sizes[1]
+
+
+def test_where_nothing_is_highlighted_nothing_is_divided() -> None:
+    """A light behind the scene; none of the triangles is a candidate, of none is the light computed."""
+    projected = projected_scene("cube:1")
+    adapted = highlight_subdivision(projected, [DirectionalLight((-0.7, -0.65, -1.0))], threshold=0.05)
+    assert not adapted.highlighted.any() and not adapted.subdivided.any()
+    np.testing.assert_array_equal(adapted.projected.vertices, projected.vertices)
+
+
+@pytest.mark.parametrize("shape", ((0,), (0, 3)))
+def test_no_triangles_are_refined_to_none(shape: tuple[int, ...]) -> None:
+    projected = projected_scene("cube:1")
+    none = divided(projected, np.zeros(0, np.int64), np.zeros((0, 3, 3)), np.zeros((0, 3, 2), np.int64))
+    refined, parent = refine(none, np.zeros(shape, bool))
+    assert len(refined) == len(parent) == 0

@@ -216,7 +216,7 @@ def refine(projected: Projected, wanted: np.ndarray) -> tuple[Projected, np.ndar
       As for :func:`split_edges`.
     """
     edges = shared_edges(projected.vertices)
-    wanted = np.broadcast_to(wanted.reshape(len(projected), -1), (len(projected), 3))
+    wanted = np.broadcast_to(wanted[:, None] if wanted.ndim == 1 else wanted, (len(projected), 3))
     return split_edges(projected, edges, edges.marked(wanted))
 
 

@@ -111,7 +111,7 @@ def with_neighbours(ids: Ints, chosen: Bools) -> Bools:
 def _side(one: Ints, two: Ints, three: Ints) -> int:
     """-1, 0 or 1: the sense of three points."""
     area = (two[0] - one[0]) * (three[1] - one[1]) - (three[0] - one[0]) * (two[1] - one[1])
-    return (area > 0) - (area < 0)
+    return int(area > 0) - int(area < 0)
 
 
 @njit(cache=True)

@@ -84,7 +84,8 @@ def lattice_frame(corners: Ints, head: Head, major: EdgeState, pixel: int, fract
         top, bottom = head.major_top, head.major_bottom
         height = corners[bottom, 1] - corners[top, 1]
         down = y - 2 * corners[top, 1]
-        change_u, change_v = (bottom == 1) - (top == 1), (bottom == 2) - (top == 2)
+        change_u = int(bottom == 1) - int(top == 1)
+        change_v = int(bottom == 2) - int(top == 2)
         u0 = (top == 1) * 2 * height + down * change_u
         v0 = (top == 2) * 2 * height + down * change_v
         return Frame(u0, v0, 2 * height, pixel * change_u, pixel * change_v, height, qu, qv, den)

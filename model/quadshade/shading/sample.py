@@ -145,7 +145,7 @@ def reflected(
     """
     point, normal, base, to_viewer = surface(projected, triangle, barycentric, normal)
     light = material.reflect(lights, point, normal, to_viewer, base)
-    return light.reshape(len(triangle), -1, len(CHANNELS))
+    return light.reshape(len(triangle), np.shape(barycentric)[-2], len(CHANNELS))
 
 
 def surface(
