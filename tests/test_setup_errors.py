@@ -115,8 +115,21 @@ def test_refused(given: ScreenTriangles, message: str) -> None:
 
 
 def test_guard_band_is_allowed() -> None:
+    """Up to its ends, all of the triangle's pixels are drawn; one sub-pixel further it is refused."""
     low, high = FORMATS.guard_band
-    setup_triangles(triangles([[low, low], [high, low], [low, high]]), FORMATS)
+    corners = np.array([[low, low], [high, low], [low, high]])
+    pixels = walk(setup_triangles(triangles(corners.tolist()), FORMATS), FORMATS)
+    y, x = np.mgrid[:64, :64]
+    # The slanted edge is none of the triangle's: it is neither its top nor a left one.
+    inside = ((x + y + 1) << FORMATS.subpixel_bits) < low + high
+    drawn = np.zeros((64, 64), np.int64)
+    np.add.at(drawn, (pixels["y"], pixels["x"]), 1)
+    assert (drawn == inside).all() and 0 < inside.sum() < inside.size
+    for vertex, axis, beyond in ((0, 0, low - 1), (0, 1, low - 1), (1, 0, high + 1), (2, 1, high + 1)):
+        further = corners.copy()
+        further[vertex, axis] = beyond
+        with pytest.raises(QuadshadeError, match="triangle out of range: triangle 0"):
+            setup_triangles(triangles(further.tolist()), FORMATS)
 
 
 def test_order_above_the_core() -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 
 import numpy as np
@@ -16,7 +17,7 @@ from quadshade.setup import triangle_setup
 from quadshade.setup.colour_words import Colours, colour_exactly
 from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives
-from quadshade.setup.quantise import FIT, SAMPLE_POINTS, fit_linear, region, round_words
+from quadshade.setup.quantise import FIT, SAMPLE_POINTS, carried_error, fit_linear, region, round_words
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.setup_reference import exact_quadratic, screen_triangles, stepped_values, walk
 
@@ -136,6 +137,22 @@ def test_bound_holds_at_every_pixel_and_is_met(rng: np.random.Generator) -> None
         assert most <= Fraction(bound)
         ratios.append(float(most) / bound)
     assert np.median(ratios) > 0.7
+
+
+def test_carried_error_is_the_worst_of_all_pixels(rng: np.random.Generator) -> None:
+    """Words that are off, each by its error and to one side: the value at every place, in exact numbers."""
+    errors = rng.integers(1, 64, 6) / 16
+    value, d_row, d_col, dd_row, dd_mixed, dd_col = errors.tolist()
+    for m, n in itertools.product(range(7), range(-1, 7)):
+        worst = max(
+            value
+            + row * d_row
+            + row * (row - 1) / 2 * dd_row
+            + column * (d_col + row * dd_mixed)
+            + column * (column + 1) / 2 * dd_col
+            for row, column in itertools.product(range(m + 1), range(max(n, 0) + 1))
+        )
+        assert carried_error(float(m), float(n), errors) == worst
 
 
 def test_output_is_within_half_and_the_bound(rng: np.random.Generator) -> None:
