@@ -190,6 +190,10 @@ mutation: setup ## which changes of the RTL do the benches notice (hours); UNIT=
 	@nice $(VENV) -m scripts.mutation.rtl --jobs $(JOBS) --seed $(SEED) $(if $(UNIT),--unit $(UNIT)) \
 	  $(if $(COUNT),--count $(COUNT))
 
+.PHONY: mutation-python
+mutation-python: setup ## which changes of the host's Python do its tests notice; COUNT=600, SEED=n; goes on
+	@nice $(VENV) -m scripts.mutation.python --seed $(SEED) $(if $(COUNT),--count $(COUNT))
+
 .PHONY: screen
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
 	@JOBS=$(JOBS) $(VENV) -m scripts.experiments.screen_area --seeds $(SEEDS)

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+How many mutants of the host library its tests notice: ``python -m scripts.mutation.python``.
+
+Each package is a session of pytest of its own. What is known of a mutant is kept in
+``build/mutation/python.jsonl``, so a run that was ended goes on; a result is used again while the file, and
+for a survivor the tests, are the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import os
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+
+import click
+
+from scripts.mutation.python.mutants import Mutant, changed_lines, mutants_of, mutated, sample
+from scripts.mutation.python.report import EQUIVALENT, ROOT, write
+
+PACKAGE = ROOT / "model" / "quadshade"
+BUILD = ROOT / "build" / "mutation"
+KNOWN = BUILD / "python.jsonl"
+
+
+def digest(*contents: bytes) -> str:
+    """Twelve hexadecimal digits that tell contents apart."""
+    return hashlib.sha256(b"\0".join(contents)).hexdigest()[:12]
+
+
+@dataclass(frozen=True)
+class Group:
+    """
+    A package that is mutated, and what it is tested by.
+
+    Attributes
+    ----------
+    tests : tuple of str
+      Files below ``tests``, without ``test_`` and ending; behind ``::`` one test of a file.
+    more : tuple of str
+      Files of other packages that belong to it.
+    slow : float
+      Seconds of processor time without a change; what takes longer is left out.
+    """
+
+    tests: tuple[str, ...]
+    more: tuple[str, ...] = ()
+    slow: float = 2.0
+
+    @property
+    def selected(self) -> list[str]:
+        """What pytest collects."""
+        names = [name.split("::") for name in self.tests]
+        return ["::".join([f"tests/test_{name}.py", *tests]) for name, *tests in names]
+
+    @property
+    def digest(self) -> str:
+        """Of all files of tests."""
+        return digest(*((ROOT / name.split("::")[0]).read_bytes() for name in self.selected))
+
+
+GROUPS = {
+    "contract": Group(("setup_packet", "generate_vhdl", "width_expressions", "link_frames", "shade_file")),
+    "golden": Group(
+        (
+            "golden_units",
+            "golden_core",
+            "golden_screen",
+            "golden_edge_map",
+            "golden_shade",
+            "link_golden",
+        )
+    ),
+    "link": Group(("link_transport", "link_frames", "link_session", "board_ports")),
+    "packing": Group(("frame_file", "link_packing")),
+    "setup": Group(
+        (
+            "setup_errors",
+            "setup_packet",
+            "setup_triangle_file",
+            "setup_choice",
+            "setup_methods",
+            "setup_words",
+            "setup_edges::test_winding_does_not_matter",
+            "setup_edges::test_fan_is_watertight",
+            "setup_edges::test_fewest_packets",
+            "setup_edges::test_coverage_of_any_triangle",
+        )
+    ),
+    "adapt": Group(
+        ("adapt_steps", "adapt_curve", "adapt_highlight", "adapt_cosines", "adapt_choice"),
+        more=("scene/subdivide.py", "scene/subdivide_loops.py"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """What is known of a mutant: of which file, by which tests, its lines, and how its tests ended."""
+
+    key: str
+    where: str
+    line: int
+    source: str
+    tests: str
+    old: str
+    new: str
+    state: str
+    test: str
+    seconds: float
+
+
+def known_results() -> dict[tuple[str, str], Result]:
+    """The latest result of each mutant, by its key and its file's digest."""
+    if not KNOWN.exists():
+        return {}
+    results = [Result(**json.loads(line)) for line in KNOWN.read_text().splitlines()]
+    return {(result.key, result.source): result for result in results}
+
+
+def drawn(count: int, seed: int) -> list[Mutant]:
+    """The sample over all groups."""
+    paths = [path for name in GROUPS for path in sorted((PACKAGE / name).rglob("*.py"))]
+    paths += [PACKAGE / path for group in GROUPS.values() for path in group.more]
+    return sample({str(path): mutants_of(path, PACKAGE) for path in paths}, count, seed)
+
+
+def group_of(path: str) -> str:
+    """The group that a file belongs to."""
+    return next((name for name, group in GROUPS.items() if path in group.more), path.split("/")[0])
+
+
+def sources(mutants: Sequence[Mutant]) -> dict[str, str]:
+    """Digest of each file that is mutated."""
+    return {path: digest((PACKAGE / path).read_bytes()) for path in {mutant.path for mutant in mutants}}
+
+
+def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> str:
+    """Run tests on mutants of a package and note each result; why that could not be done."""
+    # Before anything imports numpy: a process of one thread can be forked.
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[variable] = "1"
+    from scripts.mutation.python.runner import Session, run_session
+
+    group = GROUPS[name]
+    tests = group.digest
+    of_files = sources(mutants)
+
+    def work(session: Session) -> None:
+        said(f"{name}: {len(session.items)} tests of {session.total:.0f} s, {len(mutants)} mutants")
+        for mutant in mutants:
+            source = (PACKAGE / mutant.path).read_text()
+            old, new = changed_lines(source, mutated(mutant, source))
+            outcome = session.run(mutant)
+            result = Result(
+                mutant.key,
+                mutant.where,
+                mutant.line,
+                of_files[mutant.path],
+                tests,
+                old,
+                new,
+                **asdict(outcome),
+            )
+            with KNOWN.open("a") as file:
+                file.write(json.dumps(asdict(result)) + "\n")
+            if outcome.state == "survived":
+                said(f"{mutant.path}:{mutant.line} survived: {old} -> {new}")
+
+    modules = [path.removesuffix(".py").replace("/", ".") for path in (f"{name}/", *group.more)]
+    interpreted = tuple(f"quadshade.{module}" for module in modules)
+    return run_session(ROOT, BUILD / f"python-{name}", interpreted, group.selected, group.slow, work)
+
+
+def _child(name: str, mutants: list[Mutant], terminal: int) -> None:
+    def said(text: str) -> None:
+        os.write(terminal, f"mutation: {text}\n".encode())
+
+    problem = run_group(name, mutants, said)
+    if problem:
+        said(f"error: {name}: {problem}")
+        sys.exit(1)
+
+
+def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
+    """The mutants of a package that nothing valid is known of."""
+    known, of_files = known_results(), sources(mutants)
+    tests = GROUPS[name].digest
+    left = []
+    for mutant in mutants:
+        result = known.get((mutant.key, of_files[mutant.path]))
+        if result is None or (result.state == "survived" and result.tests != tests):
+            left.append(mutant)
+    return left
+
+
+@click.command(help=__doc__)
+@click.option("--count", default=600, show_default=True, type=click.IntRange(1), help="Mutants to draw.")
+@click.option("--seed", default=1, show_default=True, help="Draws the same mutants again.")
+@click.option("--only", type=click.Choice(tuple(GROUPS)), multiple=True, help="Only these packages.")
+@click.option(
+    "--check", is_flag=True, help="Write no report; fail where a mutant survives that is not argued."
+)
+@click.option("--known", is_flag=True, help="Run nothing: write the report of what is known already.")
+def main(count: int, seed: int, only: tuple[str, ...], check: bool, known: bool) -> None:
+    BUILD.mkdir(parents=True, exist_ok=True)
+    mutants = drawn(count, seed)
+    for name in () if known else only or GROUPS:
+        left = to_do([mutant for mutant in mutants if group_of(mutant.path) == name], name)
+        if left:
+            terminal = os.dup(2)
+            process = multiprocessing.get_context("fork").Process(target=_child, args=(name, left, terminal))
+            process.start()
+            process.join()
+            os.close(terminal)
+            if process.exitcode:
+                raise SystemExit(1)
+    found, of_files = known_results(), sources(mutants)
+    results = [found.get((mutant.key, of_files[mutant.path])) for mutant in mutants]
+    rows = [
+        asdict(result) | {"group": group_of(result.key.split(":")[0])}
+        for result in results
+        if result is not None
+    ]
+    argued = tomllib.loads(EQUIVALENT.read_text()).get("mutant", [])
+    survivors = write(rows, argued, count=count, seed=seed, report=not check and not only)
+    if check and survivors:
+        raise SystemExit(f"mutation: {survivors} survived")
+
+
+if __name__ == "__main__":
+    main()

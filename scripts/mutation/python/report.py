@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The score of the host library's tests: from what is known of the mutants to numbers and a table."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from quadshade.files.atomic import write_text
+from quadshade.files.markdown import markdown_table
+from scripts.mutation.report import score, write_section
+
+ROOT = Path(__file__).resolve().parents[3]
+EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+NUMBERS = ROOT / "docs" / "reports" / "mutation_python.json"
+PLACE = ("path", "where", "old", "new")
+
+
+def _counts(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Of some mutants: how many were killed, are equivalent, and survived."""
+    states = Counter(row["state"] for row in rows)
+    killed = states["killed"] + states["timeout"]
+    return {
+        "sampled": len(rows),
+        "killed": killed,
+        "timeouts": states["timeout"],
+        "equivalent": states["equivalent"],
+        "survived": states["survived"],
+    }
+
+
+def numbers(
+    rows: Sequence[dict[str, Any]], argued: Sequence[dict[str, str]], count: int, seed: int
+) -> dict[str, Any]:
+    """
+    All numbers of the report.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+      A mutant each.
+    argued : sequence of dict
+      Those that a reader found equivalent, with a reason.
+    count, seed : int
+      Of the sample.
+
+    Returns
+    -------
+    dict
+      What JSON can hold.
+    """
+    reasons = {tuple(entry[name] for name in PLACE): entry["reason"] for entry in argued}
+    mutants = []
+    for row in rows:
+        mutant = {"path": row["key"].split(":")[0], "operator": row["key"].split(":")[1]} | {
+            name: row[name] for name in ("group", "where", "old", "new", "state", "test")
+        }
+        reason = reasons.get(tuple(mutant[name] for name in PLACE))
+        if reason and mutant["state"] == "survived":
+            mutant["state"] = "equivalent"
+        mutants.append(mutant)
+    packages = sorted({mutant["group"] for mutant in mutants})
+    return {
+        "conditions": {
+            "count": count,
+            "seed": seed,
+            "tool": f"Cosmic Ray {version('cosmic-ray')}",
+            "run": len(mutants),
+        },
+        "overall": _counts(mutants),
+        "packages": {
+            name: _counts([mutant for mutant in mutants if mutant["group"] == name]) for name in packages
+        },
+        "mutants": sorted(mutants, key=lambda mutant: tuple(mutant[name] for name in (*PLACE, "operator"))),
+    }
+
+
+def section(content: dict[str, Any] | None = None) -> str:
+    """
+    The report's part about the host library, as Markdown without a title.
+
+    Parameters
+    ----------
+    content : dict, optional
+      What :func:`numbers` gives; else what lies in ``docs/reports``.
+
+    Returns
+    -------
+    str
+    """
+    content = json.loads(NUMBERS.read_text()) if content is None else content
+    conditions, overall = content["conditions"], content["overall"]
+    header = ("package", "sampled", "killed", "equivalent", "survived", "score (95 %)")
+
+    def row(name: str, counts: dict[str, Any]) -> list[str]:
+        shown = [str(counts[column]) for column in header[1:5]]
+        return [name, *shown, score(counts["killed"], counts["survived"])]
+
+    rows = [row(f"`{name}`", counts) for name, counts in content["packages"].items()]
+    survivors = [mutant for mutant in content["mutants"] if mutant["state"] == "survived"]
+    run, count, seed = (conditions[name] for name in ("run", "count", "seed"))
+    rest = (
+        ""
+        if run == count
+        else f"The sample is not complete: of {count} mutants {count - run} were not run yet. "
+    )
+    text = [
+        fill(
+            f"Written by `make mutation-python COUNT={count} SEED={seed}`. {rest}Mutants are made by "
+            f"{conditions['tool']}, but for dropped statements; each file has its share of all places that "
+            "can be changed. A mutant is run on tests of its package that take less than two seconds each, "
+            "without numba's compiler for its package's loops. "
+            f"{overall['timeouts']} of those killed did not end.",
+            130,
+        ),
+        "",
+        markdown_table(header, [*rows, row("all", overall)], right=header[1:]),
+    ]
+    if survivors:
+        text += ["", "Survivors:", ""]
+        lines = [
+            [
+                f"`{mutant['path']}`",
+                f"`{mutant['where'] or 'module'}`",
+                *(f"`{mutant[name]}`" for name in ("old", "new")),
+            ]
+            for mutant in survivors
+        ]
+        text += [
+            markdown_table(
+                ("file", "function", "line", "mutant"),
+                [[cell.replace("|", "\\|") for cell in line] for line in lines],
+            )
+        ]
+    return "\n".join(text)
+
+
+def write(
+    rows: Sequence[dict[str, Any]], argued: Sequence[dict[str, str]], count: int, seed: int, report: bool
+) -> int:
+    """Say the score, write numbers and report if asked; how many mutants survive without a reason."""
+    content = numbers(rows, argued, count, seed)
+    if report:
+        # A mutant a line, so that a change of one is a change of a line.
+        head = json.dumps({name: content[name] for name in ("conditions", "overall", "packages")})[:-1]
+        mutants = ",\n".join(json.dumps(mutant) for mutant in content["mutants"])
+        write_text(NUMBERS, f'{head},\n"mutants": [\n{mutants}\n]}}\n')
+        write_section("python", section(content))
+    for name, counts in {**content["packages"], "all": content["overall"]}.items():
+        print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in counts.items()))
+    return int(content["overall"]["survived"])
