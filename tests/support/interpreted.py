@@ -30,6 +30,7 @@ COMMANDS = {
     "c1.png": ("render", *SCENE, "--fit", "c1"),
     "taylor.png": ("render", *SCENE, "--setup", "taylor", "--exponent", "20"),
     "adapt.png": ("render", *SCENE, "--max-error", "3", "--exponent", "50"),
+    "incidence.png": ("render", *SCENE, "--max-error", "90", "--material", "fresnel=1.5"),
     "fractional.png": ("render", *SCENE, "--stepping", "fractional"),
     "painter.png": ("render", *SCENE, "--generic", "with_depth=0"),
     "edges.png": ("render", *SCENE, "--edges", "profile,inner"),
@@ -60,6 +61,7 @@ def compute(folder: Path) -> None:
 
     from quadshade.adapt.cho import highlight_subdivision
     from quadshade.adapt.highlight import highlight_centres
+    from quadshade.adapt.polynomial_fit import weighted_fit
     from quadshade.contract.formats import Formats
     from quadshade.scene import load_scene, parse_camera, project
     from quadshade.setup.literature.methods import METHODS, coefficients
@@ -81,6 +83,7 @@ def compute(folder: Path) -> None:
     corners = numbers.integers(*formats.guard_band, (12, 3, 2))
     crossing = screen_triangles(corners, formats, 12, 10, numbers.integers(0, 2, (12, 1, 6)) * 255.0)
     terms["words"] = setup_triangles(crossing, formats, limit=0.02).words
+    terms["fit"] = weighted_fit(np.eye(4, 3)[None], numbers.random((5, 2, 4)), numbers.random((5, 2, 4)))
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 
 
