@@ -36,6 +36,7 @@ STATES: tuple[dict[str, Any], ...] = (
     {"light": True, "light_x": -1, "light_y": 1, "shading": "quadratic-specular", "exponent": 7},
     {"fit": "least-squares", "zoom": 0.5},
     {"max_error": 2.5},
+    {"frame_ms": 90, "baud": 460800, "max_error": 2.5},
     {"shading": "phong"},
 )
 
@@ -65,7 +66,9 @@ def test_the_command_line_of_a_state_draws_it(tmp_path: Path, monkeypatch, viewe
     compared = viewed.picture(state).error_to("phong")
     assert figures["largest_error"] == compared.largest_error
     assert figures["rms_error"] == pytest.approx(compared.rms)
-    assert figures["line_fps"] == pytest.approx(1e5 / figures["line_bytes"])
+    assert figures["line_fps"] == pytest.approx(state.baud / 10 / figures["line_bytes"])
+    if state.frame_ms:
+        assert 0.8 * state.line_budget < figures["line_bytes"] <= state.line_budget == 4147
     assert sum(figures["orders"].values()) == figures["triangles"]
 
 

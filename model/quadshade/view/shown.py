@@ -13,16 +13,11 @@ import quadshade
 from quadshade.contract.arrays import Bytes
 from quadshade.contract.formats import Formats
 from quadshade.image.compare import error_map, psnr
-from quadshade.packing.frame_file import line_bytes
-from quadshade.packing.pack import pack_primitives
+from quadshade.packing.line import picture_line_bytes
 from quadshade.rendering.picture import Picture
 from quadshade.rendering.settings import Reports
 from quadshade.scene import Mesh
-from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.view.state import ViewState
-
-BITS_A_BYTE = 10
-"""On a serial line: start, eight, stop."""
+from quadshade.view.state import BITS_A_BYTE, ViewState
 
 ERROR_FULL = 16
 """Grey levels that the error map shows brightest."""
@@ -165,9 +160,7 @@ def cost(picture: Picture, state: ViewState) -> dict[str, Any]:
         return {"triangles": len(picture.triangles), "orders": {}, **unknown}
     # The line's packets come from the narrow stream, whatever the core of the engine has.
     formats = replace(Formats(**stats.generics), stream_width=32)
-    primitives = setup_triangles(picture.triangles, formats)
-    packed = pack_primitives(primitives, formats, state=picture.triangles.shade)
-    on_line = line_bytes(packed.words) if len(packed.words) else 0
+    on_line = picture_line_bytes(picture.triangles, formats)
     counts = np.bincount(kinds(picture), minlength=len(ORDER_NAMES) + 1)
     names = (*ORDER_NAMES, "power at the pixel")
     return {
@@ -176,7 +169,7 @@ def cost(picture: Picture, state: ViewState) -> dict[str, Any]:
         "bytes": None if stats.words is None else 4 * stats.words,
         "line_bytes": on_line,
         "clocks": stats.clocks,
-        "line_fps": state.baud / BITS_A_BYTE / on_line if on_line else None,
+        "line_fps": state.baud / BITS_A_BYTE / on_line,
         "core_fps": state.clock_mhz * 1e6 / stats.clocks if stats.clocks else None,
     }
 

@@ -20,6 +20,9 @@ from quadshade.scene.mesh import Mesh
 MAPS = ("picture", "error", "orders", "wireframe")
 """What is shown of a picture: itself, its error against Phong shading, orders, or triangles."""
 
+BITS_A_BYTE = 10
+"""On a serial line: start, eight, stop."""
+
 STEEPEST = 89.0
 """Degrees; straight from above there is no up."""
 
@@ -33,6 +36,7 @@ RANGES = {
     "light_y": (-1.0, 1.0),
     "exponent": (1.0, 200.0),
     "max_error": (0.0, 64.0),
+    "frame_ms": (0.0, 10_000.0),
     "width": (16, 1024),
     "height": (16, 1024),
     "baud": (9600, 12_000_000),
@@ -65,6 +69,8 @@ class ViewState:
     exponent : float
     max_error : float
       Grey levels of an adaptive picture; 0: not adaptive.
+    frame_ms : float
+      Milliseconds in which the line must have carried the picture, which is then adaptive too; 0: no matter.
     width, height : int
     baud : int
       Of the line whose frames a second are told.
@@ -84,6 +90,7 @@ class ViewState:
     fit: str = FITS[0]
     exponent: float = 20.0
     max_error: float = 0.0
+    frame_ms: float = 0.0
     map: str = MAPS[0]
     width: int = 512
     height: int = 512
@@ -123,8 +130,14 @@ class ViewState:
 
     @property
     def is_adaptive(self) -> bool:
-        """Whether orders are chosen for an error; nothing else is then left to choose."""
-        return self.max_error > 0 and self.shading == DEFAULT_SHADING and self.fit == FITS[0]
+        """Whether orders are chosen, for an error or for the line; nothing else is then left to choose."""
+        wanted = self.max_error > 0 or self.frame_ms > 0
+        return wanted and self.shading == DEFAULT_SHADING and self.fit == FITS[0]
+
+    @property
+    def line_budget(self) -> int:
+        """Bytes that the line carries in the frame time."""
+        return int(self.baud / BITS_A_BYTE * self.frame_ms / 1000)
 
     def axes(self) -> Floats:
         """(3, 3) float64: right, up and backward of the viewer, in the scene."""
@@ -164,6 +177,8 @@ class ViewState:
             "exponent": self.exponent,
             "lights": self.lights(),
         }
+        if self.is_adaptive and self.frame_ms > 0:
+            return given | {"budget": f"{self.line_budget}line"}
         if self.is_adaptive:
             return given | {"max_error": self.max_error}
         fit = self.fit if self.shading == DEFAULT_SHADING else FITS[0]
@@ -184,7 +199,7 @@ class ViewState:
         ]
         words += [f"--camera={given['camera']}", "--exponent", f"{self.exponent:.12g}"]
         words += [word for light in given["lights"] for word in ("--light", light)]
-        for name in ("shading", "fit", "max_error"):
+        for name in ("shading", "fit", "max_error", "budget"):
             if name in given and given[name] not in (DEFAULT_SHADING, FITS[0]):
                 words += [f"--{name.replace('_', '-')}", str(given[name])]
         return shlex.join(words)

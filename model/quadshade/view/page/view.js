@@ -162,13 +162,14 @@ function legend(map, figures) {
 }
 
 function showControls() {
-  for (const id of ["map", "shading", "fit", "baud", "clock_mhz", "exponent", "max_error"]) $(id).value = state[id];
+  for (const id of ["map", "shading", "fit", "baud", "clock_mhz", "exponent", "max_error", "frame_ms"]) $(id).value = state[id];
   $("size").value = state.width;
   $("exponent").nextElementSibling.value = state.exponent;
-  $("max_error").nextElementSibling.value = state.max_error > 0 ? state.max_error : "off";
+  for (const id of ["max_error", "frame_ms"]) $(id).nextElementSibling.value = state[id] > 0 ? state[id] : "off";
   const colours = state.shading === "quadratic";
-  $("fit").disabled = !colours || state.max_error > 0;
-  $("max_error").disabled = !colours || state.fit !== "six-point";
+  $("fit").disabled = !colours || state.max_error > 0 || state.frame_ms > 0;
+  $("frame_ms").disabled = !colours || state.fit !== "six-point";
+  $("max_error").disabled = $("frame_ms").disabled || state.frame_ms > 0;
   drawBall();
 }
 
@@ -274,7 +275,7 @@ function reset() {
 
 for (const id of ["map", "shading", "fit"]) $(id).addEventListener("change", () => change({ [id]: $(id).value }));
 for (const id of ["baud", "clock_mhz"]) $(id).addEventListener("change", () => change({ [id]: Number($(id).value) }));
-for (const id of ["exponent", "max_error"]) $(id).addEventListener("input", () => change({ [id]: Number($(id).value) }));
+for (const id of ["exponent", "max_error", "frame_ms"]) $(id).addEventListener("input", () => change({ [id]: Number($(id).value) }));
 $("size").addEventListener("change", () => change({ width: Number($("size").value), height: Number($("size").value) }));
 $("default_light").addEventListener("click", () => change({ light: false, light_x: 0, light_y: 0 }));
 $("reset").addEventListener("click", reset);
