@@ -2,8 +2,8 @@
 """
 Mutants of a unit's netlist by Yosys' `mutate`, simulated by Icarus with the unit's own bench.
 
-One configuration of generics a unit, the one whose simulation takes the least time; `mutate` picks cells of
-the unit itself, not of those in it, evenly over cells, ports, bits and what they are made of.
+One configuration of generics a unit, the one whose simulation takes the least time when a run begins; `mutate`
+picks cells of the unit itself, not of those in it, evenly over cells, ports, bits and what they are made of.
 """
 
 from __future__ import annotations
@@ -60,6 +60,8 @@ class NetlistRun:
       Made anew; Yosys and Icarus work in it.
     count, seed : int
       Of the sample.
+    label : str
+      Of the bench's configuration, where an earlier run has chosen it.
 
     Raises
     ------
@@ -67,12 +69,13 @@ class NetlistRun:
       A tool fails, or the bench on the netlist as it is.
     """
 
-    def __init__(self, unit: str, folder: Path, count: int, seed: int) -> None:
+    def __init__(self, unit: str, folder: Path, count: int, seed: int, label: str = "") -> None:
         self.unit, self.folder, self.seed = unit, folder / f"{unit}_netlist", seed
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         cases = cases_of(unit)
-        self.case: Case = min(cases, key=usual_seconds)
+        kept = [case for case in cases if case.label == label]
+        self.case: Case = kept[0] if kept else min(cases, key=usual_seconds)
         netlist = write_netlist(dict(self.case.generics), unit)
         shutil.copyfile(netlist, self.folder / f"{unit}.v")
         self.read = [

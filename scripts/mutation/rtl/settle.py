@@ -122,7 +122,9 @@ class Settling:
                     self._keep(replace(run.above(mutant, self.seed), benches=self.above_benches))
 
     def _netlist(self, folder: Path) -> None:
-        run = NetlistRun(self.unit, folder, self.counts[1], self.seed)
+        before = [one for one in self.known.values() if (one.unit, one.source) == (self.unit, "netlist")]
+        label = before[0].original if before else ""
+        run = NetlistRun(self.unit, folder, self.counts[1], self.seed, label)
         todo = []
         for mutant in run.mutants:
             old = self.known.get(mutant.name)
