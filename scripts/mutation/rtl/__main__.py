@@ -56,16 +56,19 @@ def main(
     if count < 1 or jobs < 1:
         raise QuadshadeError("count and jobs are at least 1", "leave them out for the usual ones")
     numbers = counts(count, seed)
+    problems = []
     if not report_only:
         with ProcessPoolExecutor(jobs) as pool:
             waiting = [
                 pool.submit(settle, unit, numbers[unit], seed, steps or STEPS)
                 for unit in units or rtl_paths()
             ]
-            for work in waiting:
-                work.result()
+            # One unit whose bench fails on the clean RTL keeps no other from being run.
+            problems = [problem for work in waiting if (problem := work.exception())]
     found = [result for result in store.load().values() if result.seed == seed]
     report.write(found, seed, sum(len(sampled(unit, seed)) for unit in rtl_paths()), numbers)
+    if problems:
+        raise problems[0]
 
 
 if __name__ == "__main__":
