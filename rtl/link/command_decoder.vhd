@@ -172,9 +172,8 @@ begin
 
   decoder : entity work.cobs_decoder
     port map (
-      clk => clk, reset => reset, line_valid => line_valid, line_data => line_data,
-      line_error => line_error, byte_valid => byte_valid, byte_data => byte_data, frame_end => frame_end,
-      frame_good => frame_good
+      clk => clk, reset => reset, line_valid => line_valid, line_data => line_data, line_error => line_error,
+      byte_valid => byte_valid, byte_data => byte_data, frame_end => frame_end, frame_good => frame_good
     );
 
   receiver : entity work.frame_receiver
@@ -184,8 +183,8 @@ begin
       crc_cycles => crc_cycles
     )
     port map (
-      clk => clk, reset => all_reset,
-      byte_valid => byte_valid, byte_data => byte_data, frame_end => frame_end, frame_good => frame_good,
+      clk => clk, reset => all_reset, byte_valid => byte_valid, byte_data => byte_data,
+      frame_end => frame_end, frame_good => frame_good,
       write_valid => write_valid, write_data => write_data, commit => commit, discard => discard,
       overflow => overflow, expected => expected, ack => ack, nak => nak, request => request,
       reason => reason, opcode => opcode, number => number, argument => argument,
@@ -233,16 +232,14 @@ begin
       fifo_valid => fifo_valid, fifo_ready => fifo_ready, fifo_data => fifo_data,
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
       state_valid => state_valid, state_ready => state_ready, state_address => state_address,
-      state_data => state_data,
-      clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+      state_data => state_data, clear_valid => clear_valid, clear_ready => clear_ready,
+      clear_colour => clear_colour,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => count_read, read_pixels => read_pixels,
-      read_plane => read_plane,
-      frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
+      read_plane => read_plane, frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
       frame_crc_plane => frame_crc_plane, frame_crc_done => frame_crc_done,
-      frame_crc_value => frame_crc_value,
-      result_due => result_due, result_taken => result_taken, command => command, number => command_number,
-      crc => crc_value
+      frame_crc_value => frame_crc_value, result_due => result_due, result_taken => result_taken,
+      command => command, number => command_number, crc => crc_value
     );
 
   read_count <= count_read;
@@ -350,6 +347,9 @@ begin
       if break_seen = '1' then
         step <= to_unsigned(default_phase_step, phase_bits);
         step_due <= '0';
+        if reply_code = opcode_baud then
+          reply_due <= '0';
+        end if;
       end if;
       if link_reset = '1' or reset = '1' then
         ack_due <= '0';
@@ -383,8 +383,8 @@ begin
     port map (
       clk => clk, reset => all_reset, answer_valid => answer_valid, answer_ready => answer_ready,
       answer_opcode => chosen_code, answer_number => chosen_number, answer_words => chosen_words,
-      answer_bytes => chosen_bytes,
-      word_index => word_index, word_taken => word_taken, word_data => word_data,
+      answer_bytes => chosen_bytes, word_index => word_index, word_taken => word_taken,
+      word_data => word_data,
       data_valid => read_data_valid, data_ready => read_data_ready, data => read_data,
       byte_valid => frame_valid, byte_ready => frame_ready, byte_data => frame_data, byte_last => frame_last
     );

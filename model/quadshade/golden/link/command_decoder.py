@@ -130,6 +130,8 @@ class CommandDecoder:
         """The line was low for as long as a break is."""
         self.phase_step = self.identity["default_phase_step"]
         self._step_due = False
+        if self._reply is not None and self._reply[0] is Opcode.BAUD:
+            self._reply = None
 
     def run(self) -> bytes:
         """Execute what waits, unless stalled, and send what is due, unless holding; the answers."""
