@@ -70,7 +70,6 @@ def _environment() -> dict[str, str]:
         "PYTHONPATH": os.pathsep.join([str(ROOT / "model"), str(ROOT)]),
         "PYGPI_PYTHON_BIN": sys.executable,
         "GPI_USERS": f"{find_libpython.find_libpython()};{entry}",
-        "COCOTB_TRUST_INERTIAL_WRITES": "1",
         "COCOTB_MAX_FAILURES": "1",
         "COCOTB_REWRITE_ASSERTION_FILES": "",
         "COCOTB_RANDOM_SEED": os.environ.get("QUADSHADE_SEED") or "1",
@@ -85,6 +84,8 @@ def _variables(case: Case, language: str) -> dict[str, str]:
         "COCOTB_TOPLEVEL": case.unit,
         "COCOTB_TEST_MODULES": case.module,
         "TOPLEVEL_LANG": language,
+        # As in cocotb's runner: with it, Icarus would apply writes amid the clock's edge.
+        "COCOTB_TRUST_INERTIAL_WRITES": str(int(language == "vhdl")),
         "QUADSHADE_CONFIG": case.config,
         "QUADSHADE_UNIT": case.unit,
     }
