@@ -18,12 +18,12 @@ from cocotb_tests.support.link_stimuli import body_of, good_area
 from cocotb_tests.support.pins import PinsTransport
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import FACTOR_BITS, STATE_REGISTERS, Formats
-from quadshade.contract.protocol import LinkError, Opcode, pack_payload, plane_bytes
+from quadshade.contract.protocol import ANSWER_BIT, LinkError, Opcode, pack_payload, phase_step, plane_bytes
 from quadshade.contract.shade_state import colour_state
 from quadshade.golden.board import BoardModel
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.link.frame_receiver import Reach
-from quadshade.link.frames import FrameParser, enclosed
+from quadshade.link.frames import Frame, FrameParser, enclosed
 from quadshade.link.planes import read_picture
 from quadshade.link.session import Session
 from quadshade.packing.pack import pack_primitives, unpack
@@ -95,10 +95,11 @@ CONFIGS = [
         most_counter_bits=16,
         single_buffer=1,
         crc_cycles=4,
-        # Its phase step is rounded.
+        # Its phase step is rounded down.
         baud=15_001,
     ),
-    Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0),
+    # The step is rounded up.
+    Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0, baud=15_005),
     Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
 ]
 
@@ -219,6 +220,61 @@ async def reset_amid_everything(dut: Any) -> None:
 
     await bridge(host)()
     bench.finish(at_least=1)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def requests_overlap(dut: Any) -> None:
+    """Results wait in a row, STATUS comes amid them; then BAUD to rates that round up and down; a break."""
+    bench, line, model = await begin(dut, "requests_overlap")
+    if bench.config.num_channels > 1:
+        # The smallest board is enough: the link is the same.
+        return
+    parser, own, frames = FrameParser(), FrameParser(), []
+    size = (bench.config.screen_width, bench.config.screen_height)
+    reach = Reach(*size, plane_bytes(model.identity))
+    clear = [pack_payload(Opcode.CLEAR, {"colour": bench.draw.getrandbits(32)}) for _ in range(2)]
+    crc = pack_payload(Opcode.FRAME_CRC, {"reserved": 0, "plane": 0})
+    area = pack_payload(Opcode.READ, good_area(bench.draw, reach, 12))
+    asked = (
+        *((Opcode.CLEAR, clear[0]), (Opcode.FRAME_CRC, crc), (Opcode.CLEAR, clear[1])),
+        *((Opcode.FRAME_CRC, crc), (Opcode.READ, area), (Opcode.STATUS, b"")),
+    )
+    wanted = []
+    for number, (opcode, payload) in enumerate(asked):
+        sent = enclosed(body_of(opcode, number, payload))
+        wanted += own.feed(model.feed(sent))
+        await line.send(sent)
+    results = (Opcode.READ_ANSWER, Opcode.FRAME_CRC_ANSWER)
+    named = (*results, Opcode.STATUS_ANSWER)
+    while sum(frame.opcode in named for frame in frames) < 4 and (data := await line.arrived()):
+        frames += parser.feed(data)
+    bench.check("STATUS", [frame.opcode for frame in frames].count(Opcode.STATUS_ANSWER), 1)
+    got, expected = (
+        [(frame.opcode.name, frame.sequence, frame.payload[4:]) for frame in found if frame.opcode in results]
+        for found in (frames, wanted)
+    )
+    bench.check_all("result", got, expected)
+
+    async def ask(opcode: Opcode, payload: bytes = b"") -> None:
+        await line.send(enclosed(body_of(opcode, 0, payload)))
+        answers: list[Frame] = []
+        while not answers and (data := await line.arrived()):
+            answers = parser.feed(data)
+        bench.check("answer", [frame.opcode for frame in answers], [opcode | ANSWER_BIT], inputs=line.bit_ns)
+        # The last stop bit is out, and a little more.
+        await Timer(round(2000 * line.bit_ns), "ps")
+
+    clock = bench.config.clk_frequency_hz
+    for rate in (13_005, 12_001):
+        payload = pack_payload(Opcode.BAUD, {"phase_step": phase_step(rate, clock)})
+        await ask(Opcode.BAUD, payload)
+        line.bit_ns = PERIOD_NS * clock / rate
+        await ask(Opcode.HELLO)
+    await line.low(30)
+    line.bit_ns = bench.config.bit_ns
+    await ask(Opcode.HELLO)
+    bench.check("stop bits that are missing", line.framing_errors, 0)
+    bench.finish(at_least=9)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
