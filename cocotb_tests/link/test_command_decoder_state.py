@@ -177,7 +177,13 @@ async def credits_are_told(dut: Any) -> None:
         board.answers = []
         await board.settle()
         board.go["setup"] = repeat(False)
-    bench.finish(at_least=2)
+    # RESET empties a FIFO that was said to be full: its answer says so, and no other one does.
+    await board.send(enclosed(body_of(Opcode.TRIANGLES, pair.model.receiver.expected, bytes(4 * 27))))
+    await board.settle()
+    await board.send(enclosed(body_of(Opcode.RESET, 0, bytes(4))))
+    answers = [(frame.opcode, frame.payload[2]) for frame in await board.settle()]
+    bench.check("answers to RESET", answers, [(Opcode.RESET_ANSWER, bench.config.fifo_words)])
+    bench.finish(at_least=3)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
