@@ -10,7 +10,7 @@ from typing import Any
 import cocotb
 import pytest
 
-from cocotb_tests.support.bench import SPEEDS, Bench
+from cocotb_tests.support.bench import SPEEDS, UNKNOWN, Bench
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.crc32 import CRC_RESIDUE, Crc32
 from quadshade.link.frames import sealed
@@ -29,6 +29,25 @@ class Config:
 )
 def test_crc32(config: Config) -> None:
     simulate("crc32", config)
+
+
+# Only power-up begins a sum without `clear`.
+@cocotb.test(timeout_time=1, timeout_unit="ms", skip=UNKNOWN)
+async def words_from_power_up_on(dut: Any) -> None:
+    """This test is the first of a simulation."""
+    bench = Bench(dut, Config, "words_from_power_up_on")
+    await bench.start("clear", "byte_valid", "byte_data", reset=False)
+    bench.check("crc of nothing", int(dut.crc.value), 0)
+    data, step = bench.draw.randbytes(5 * bench.config.num_bytes), bench.config.num_bytes
+    for place in range(0, len(data), step):
+        dut.byte_valid.value = 1
+        dut.byte_data.value = int.from_bytes(data[place : place + step], "little")
+        await bench.edge()
+        dut.byte_valid.value = 0
+        for _ in range(1 + bench.config.cycles * (bench.config.cycles > 1)):
+            await bench.edge()
+        bench.check("crc", int(dut.crc.value), zlib.crc32(data[: place + step]), place)
+    bench.finish(at_least=6)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

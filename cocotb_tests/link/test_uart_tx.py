@@ -28,16 +28,31 @@ def test_uart_tx(config: Config) -> None:
     simulate("uart_tx", config)
 
 
+EDGE_STEPS = [parts * (1 << PHASE_BITS) // 3 + more for parts in (1, 2) for more in (0, 1)]
+"""Steps of which some bit ends just in time, or just misses a cycle: each bit of the phase decides on one."""
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(step=EDGE_STEPS)
+async def steps_at_the_edge(dut: Any, step: int) -> None:
+    await compare(Bench(dut, Config, f"steps_at_the_edge {step}"), "full_speed", step, 500)
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(source=list(SPEEDS), clocks=[4, 8.333, 33.3])
 async def every_cycle(dut: Any, source: str, clocks: float) -> None:
-    bench = Bench(dut, Config, f"every_cycle {source} {clocks}")
-    await bench.start("phase_step", "byte_valid", "byte_data")
     step = round((1 << PHASE_BITS) / clocks)
+    await compare(Bench(dut, Config, f"every_cycle {source} {clocks}"), source, step, 2500)
+
+
+async def compare(bench: Bench, source: str, step: int, cycles: int) -> None:
+    """The unit beside its model, with resets."""
+    dut = bench.dut
+    await bench.start("phase_step", "byte_valid", "byte_data")
     dut.phase_step.value = step
     model, go, offered = UartTx(), SPEEDS[source](bench.draw), None
-    reset = at_random(bench.draw, int(30 * clocks))
-    for index in range(2500):
+    reset = at_random(bench.draw, int(30 * (1 << PHASE_BITS) / step))
+    for index in range(cycles):
         # A reset in the middle leaves a line that is high.
         resets = next(reset)
         if offered is None and next(go) and index > 10:
@@ -54,7 +69,7 @@ async def every_cycle(dut: Any, source: str, clocks: float) -> None:
             offered = None
         if resets:
             model = UartTx()
-    bench.finish(at_least=2500)
+    bench.finish(at_least=cycles)
 
 
 @cocotb.test(timeout_time=4, timeout_unit="ms")

@@ -13,7 +13,7 @@ import pytest
 from cocotb_tests.support.bench import SPEEDS, UNKNOWN, Bench, StreamSink, StreamSource
 from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.formats import Formats
+from quadshade.contract.formats import COEFFICIENT_FRAC_BITS, FACTOR_BITS, Formats
 from quadshade.contract.shade_state import ShadeState, colour_state, power_curve, shade_state
 from quadshade.golden.shade.shade import shade
 from tests.support.shade_stimuli import random_state, random_values
@@ -102,10 +102,14 @@ class Unit:
         self.latest = state if tables else dataclasses.replace(state, tables=self.latest.tables)
 
     def offer(self, count: int) -> None:
+        """Offer pixels of any values."""
+        self.offer_values(random_values(self.formats, self.bench.rng, count).tolist())
+
+    def offer_values(self, pixels: list[list[int]]) -> None:
         """Offer pixels, to be shaded with the latest state."""
         config, words = self.bench.config, []
         lane = config.value_bits + config.shade_guard_bits
-        for values in random_values(self.formats, self.bench.rng, count).tolist():
+        for values in pixels:
             along = self.bench.bits(config.along_bits)
             words.append((sum(value << (lane * channel) for channel, value in enumerate(values)), along))
             colour = shade(values, self.latest, self.formats)
@@ -170,6 +174,24 @@ async def every_pixel(dut: Any, source: str, sink: str) -> None:
     await unit.settle()
     unit.offer(50)
     await unit.settle()
+    unit.finish()
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def sums_at_the_largest(dut: Any) -> None:
+    """Every channel and coefficient at full scale, with an ambient colour that carries the sum further."""
+    bench = Bench(dut, Config, "sums_at_the_largest")
+    await bench.start(*INPUTS, "shaded_ready")
+    unit, formats = Unit(bench, "full_speed", "full_speed"), bench.config.formats
+    lane = (1 << formats.lane_value_bits) - 1
+    for bit in range(formats.value_bits + COEFFICIENT_FRAC_BITS):
+        state = random_state(formats, bench.rng)
+        state.ambient[:] = 1 << bit
+        state.coefficients[:] = (1 << FACTOR_BITS) - 1
+        unit.load(dataclasses.replace(state, linear=(1 << formats.num_specular) - 1, gated=0), tables=False)
+        await unit.settle()
+        unit.offer_values([[lane] * formats.num_channels, [lane - 1] * formats.num_channels])
+        await unit.settle()
     unit.finish()
 
 
