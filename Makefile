@@ -186,9 +186,9 @@ faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/fault
 	@$(VENV) -m scripts.experiments.link_faults_rtl
 
 .PHONY: mutation
-mutation: setup ## which changes of the RTL do the benches notice (hours); UNIT=name, SEED=n, COUNT=n; goes on
+mutation: setup ## which changes of the RTL do the benches notice (hours); UNIT=, SEED=, COUNT=, ALL=1; goes on
 	@nice $(VENV) -m scripts.mutation.rtl --jobs $(JOBS) --seed $(SEED) $(if $(UNIT),--unit $(UNIT)) \
-	  $(if $(COUNT),--count $(COUNT))
+	  $(if $(COUNT),--count $(COUNT)) $(if $(ALL),--all)
 
 .PHONY: mutation-python
 mutation-python: setup ## which changes of the host's Python do its tests notice; COUNT=600, SEED=n; goes on

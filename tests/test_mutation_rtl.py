@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,8 @@ from scripts.mutation.rtl.benches import ROOT, above, cases_of, digest, rtl_path
 from scripts.mutation.rtl.equivalence import netlist_of, proved
 from scripts.mutation.rtl.results import Result, append, load
 from scripts.mutation.rtl.run_netlist import NetlistRun
-from scripts.mutation.rtl.run_text import own_units, sampled
+from scripts.mutation.rtl.run_text import digest_of, own_units, sampled
+from scripts.mutation.rtl.settle import STEPS, Settling, tried
 from scripts.mutation.rtl.simulate_case import VhdlBuild
 from scripts.mutation.rtl.vhdl_text import TextMutant, mutants_of
 from scripts.mutation.rtl.vhdl_tokens import tokens_of
@@ -218,6 +220,34 @@ def test_a_cut_line_of_results_is_left_out(tmp_path: Path) -> None:
     append(Result("b", "edge_dda", "", 1, "logic", "", "", "text", "killed"), path)
     path.write_text(path.read_text()[:-20])
     assert {name: result.verdict for name, result in load(path).items()} == {"a": "killed"}
+
+
+def test_what_is_run_again_after_a_change_of_the_bench() -> None:
+    """Survivors always, kills where that is asked for; a proof was tried in vain only where one was tried."""
+    kinds = [Settling("load_adder", (1, 1), 1, STEPS, again, print) for again in (False, True)]
+    for verdict, stage, wanted in [
+        ("survived", "own", [True, True]),
+        ("survived", "above", [True, True]),
+        ("killed", "own", [False, True]),
+        ("killed", "above", [False, False]),
+        ("stillborn", "own", [False, False]),
+        ("equivalent", "proof", [False, False]),
+    ]:
+        old = Result("a", "load_adder", "", 1, "logic", "", "", "text", verdict, stage=stage, benches="other")
+        assert [kind.stale(old) for kind in kinds] == wanted, (verdict, stage)
+        now = replace(old, benches=kinds[0].own_benches)
+        assert [kind.stale(now) for kind in kinds] == [False, False]
+    found = Result("a", "load_adder", "", 1, "logic", "", "", "text", "survived")
+    assert tried(found, None) == tried(found, found) == found
+    assert tried(found, replace(found, stage="above")).stage == "proof"
+    assert tried(found, replace(found, verdict="killed", stage="above")) == found
+
+
+def test_the_report_tells_kills_of_benches_that_have_changed() -> None:
+    killed = Result("a", "load_adder", "", 1, "logic", "", "", "text", "killed", benches="other")
+    now = replace(killed, benches=digest_of(["load_adder"]))
+    assert report.changed([killed, killed, now, replace(killed, verdict="survived")]).startswith("2 of those")
+    assert report.changed([now]) == report.changed([]) == ""
 
 
 def test_reviewed_mutants_exist_and_have_reasons() -> None:

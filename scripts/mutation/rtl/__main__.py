@@ -2,8 +2,9 @@
 """
 Change the RTL in small ways, see which benches notice, and write docs/reports/mutation.md.
 
-What was done stays in build/mutation: a run that was stopped goes on, and after a change of the benches only
-survivors are run again.
+What was done stays in build/mutation: a run that was stopped goes on. After a change of a bench its survivors
+are run again; what it killed as it was before stands beside the digest of that bench, and is run again with
+--all.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ def show(result: Result) -> None:
     click.echo(f"{place} {result.what[:70]}: {result.verdict} {result.by} {result.detail[:60]}")
 
 
-def settle(unit: str, numbers: tuple[int, int], seed: int, steps: tuple[str, ...]) -> None:
+def settle(unit: str, numbers: tuple[int, int], seed: int, steps: tuple[str, ...], again: bool) -> None:
     """One unit, in whatever process."""
-    Settling(unit, numbers, seed, steps, show).run()
+    Settling(unit, numbers, seed, steps, again, show).run()
 
 
 @click.command(help=__doc__.strip().splitlines()[0])
@@ -43,10 +44,17 @@ def settle(unit: str, numbers: tuple[int, int], seed: int, steps: tuple[str, ...
 )
 @click.option("--jobs", default=1, show_default=True, help="Units at a time.")
 @click.option("--step", "steps", multiple=True, type=click.Choice(STEPS), help="Only these steps.")
+@click.option("--all", "again", is_flag=True, help="Kills of benches that have changed since are run again.")
 @click.option("--report-only", is_flag=True, help="Run nothing; write the report anew.")
 @one_line_errors("mutation")
 def main(
-    units: tuple[str, ...], seed: int, count: int, jobs: int, steps: tuple[str, ...], report_only: bool
+    units: tuple[str, ...],
+    seed: int,
+    count: int,
+    jobs: int,
+    steps: tuple[str, ...],
+    again: bool,
+    report_only: bool,
 ) -> None:
     for unit in units:
         if unit not in rtl_paths():
@@ -60,7 +68,7 @@ def main(
     if not report_only:
         with ProcessPoolExecutor(jobs) as pool:
             waiting = [
-                pool.submit(settle, unit, numbers[unit], seed, steps or STEPS)
+                pool.submit(settle, unit, numbers[unit], seed, steps or STEPS, again)
                 for unit in units or rtl_paths()
             ]
             # One unit whose bench fails on the clean RTL keeps no other from being run.

@@ -29,6 +29,11 @@ def known_clean(case: Case) -> Clean | None:
     return found[-1] if found else None
 
 
+def has_run(case: Case) -> bool:
+    """Whether a case was ever measured, with whatever bench."""
+    return bool(_known(case))
+
+
 def usual_seconds(case: Case) -> float:
     """Processor time of a case when it was last measured, with whatever bench; 1 if it never was."""
     found = _known(case)

@@ -16,6 +16,7 @@ from quadshade.files.markdown import markdown_table
 from scripts.mutation.report import REPORT, score, write_section
 from scripts.mutation.rtl.benches import rtl_paths
 from scripts.mutation.rtl.results import Result
+from scripts.mutation.rtl.run_text import digest_of, own_units
 
 REVIEWED = Path(__file__).with_name("reviewed.toml")
 NUMBERS = REPORT.with_name("mutation_rtl.json")
@@ -111,6 +112,16 @@ def missing(results: Sequence[Result], asked: Mapping[str, tuple[int, int]]) -> 
     )
 
 
+def changed(results: Sequence[Result]) -> str:
+    """A sentence on kills by benches that have changed since; empty if there are none."""
+    today = {unit: digest_of(own_units(unit)) for unit in {result.unit for result in results}}
+    killed = [result for result in results if (result.verdict, result.stage) == ("killed", "own")]
+    number = sum(result.benches != today[result.unit] for result in killed)
+    if not number:
+        return ""
+    return f"{number} of those killed were killed by benches that have changed since."
+
+
 def section(
     results: Sequence[Result], seed: int, candidates: int, asked: Mapping[str, tuple[int, int]]
 ) -> str:
@@ -143,7 +154,8 @@ def section(
         f"Written by `make mutation`, with seed {seed}: of {candidates} changes of the VHDL's text and of "
         f"what Yosys' `mutate` finds in the netlists. {stillborn} more were no hardware and are not counted. "
         "A bench runs with its own seed, 1, and ends at its first fault; a mutant is killed too where one "
-        f"takes over four times the clean run's simulated time. {tools}. {missing(results, asked)}",
+        f"takes over four times the clean run's simulated time. {tools}. {changed(results)} "
+        f"{missing(results, asked)}",
         130,
     )
     parts = [

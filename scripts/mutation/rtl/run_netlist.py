@@ -2,8 +2,8 @@
 """
 Mutants of a unit's netlist by Yosys' `mutate`, simulated by Icarus with the unit's own bench.
 
-One configuration of generics a unit, the one whose simulation takes the least time when a run begins; Yosys
-picks cells of the unit itself, not of those in it, evenly over cells, ports, bits and what they are made of.
+One configuration of generics a unit, of those that were measured the one whose simulation takes the least time
+when a run begins; Yosys picks cells of the unit itself, not of those in it, evenly over cells, ports, bits and what they are made of.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.flow import run_yosys
 from scripts.mutation.rtl.benches import Case, cases_of, digest
-from scripts.mutation.rtl.clean import usual_seconds
+from scripts.mutation.rtl.clean import has_run, usual_seconds
 from scripts.mutation.rtl.equivalence import proved
 from scripts.mutation.rtl.fork_names import PORT
 from scripts.mutation.rtl.results import Result
@@ -75,7 +75,8 @@ class NetlistRun:
         self.folder.mkdir(parents=True)
         cases = cases_of(unit)
         kept = [case for case in cases if case.label == label]
-        self.case: Case = kept[0] if kept else min(cases, key=usual_seconds)
+        measured = [case for case in cases if has_run(case)]
+        self.case: Case = kept[0] if kept else min(measured or cases, key=usual_seconds)
         netlist = write_netlist(dict(self.case.generics), unit)
         shutil.copyfile(netlist, self.folder / f"{unit}.v")
         self.read = [

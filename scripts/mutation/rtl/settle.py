@@ -42,6 +42,12 @@ def alive(name: str, known: dict[str, Result]) -> bool:
     return name in known and known[name].verdict != "stillborn"
 
 
+def tried(result: Result, old: Result | None) -> Result:
+    """A mutant that survives again, after a proof in vain, needs no other: its netlists are the same."""
+    again = old is not None and result.verdict == old.verdict == "survived" and old.stage != "own"
+    return replace(result, stage="proof") if again else result
+
+
 class Settling:
     """
     Goes through one unit's sample, and appends what becomes of each mutant.
@@ -54,6 +60,9 @@ class Settling:
     seed : int
     steps : collection of str
       Of ``STEPS``.
+    again : bool
+      Whether what was killed is run once more where the benches are others by now, as survivors always are:
+      a changed bench draws other random numbers, and need not kill what it once did.
     report : callable
       Called with every new result.
     """
@@ -64,9 +73,11 @@ class Settling:
         counts: tuple[int, int],
         seed: int,
         steps: Collection[str],
+        again: bool,
         report: Callable[[Result], None],
     ) -> None:
-        self.unit, self.counts, self.seed, self.steps, self.report = unit, counts, seed, steps, report
+        self.unit, self.counts, self.seed, self.steps = unit, counts, seed, steps
+        self.again, self.report = again, report
         self.known = store.load()
         self.own_benches = digest_of(own_units(unit))
         self.above_benches = f"{self.own_benches}+{digest_of(above(unit))}"
@@ -76,6 +87,12 @@ class Settling:
         self.known[result.name] = result
         self.report(result)
         return result
+
+    def stale(self, old: Result) -> bool:
+        """Whether an earlier result is to be found anew, with the benches of today."""
+        if old.benches.startswith(self.own_benches):
+            return False
+        return old.verdict == "survived" or (self.again and (old.verdict, old.stage) == ("killed", "own"))
 
     def run(self) -> None:
         """All steps that are asked for and not done yet."""
@@ -98,15 +115,9 @@ class Settling:
                 break
             old = self.known.get(mutant.name)
             new = old is None and "own" in self.steps
-            stale = (
-                old is not None and old.verdict == "survived" and not old.benches.startswith(self.own_benches)
-            )
-            if new or (stale and "own" in self.steps):
+            if new or (old is not None and self.stale(old) and "own" in self.steps):
                 run = run or TextRun(self.unit, folder)
-                result = run.own(mutant, self.seed)
-                if old is not None and result.verdict == "survived":
-                    result = replace(result, stage="proof")
-                self._keep(result)
+                self._keep(tried(run.own(mutant, self.seed), old))
             chosen.append(mutant)
             living += alive(mutant.name, self.known)
         for step in ("proof", "above"):
@@ -128,12 +139,11 @@ class Settling:
         todo = []
         for mutant in run.mutants:
             old = self.known.get(mutant.name)
-            if old is None or (old.verdict == "survived" and old.benches != self.own_benches):
+            if old is None or self.stale(old):
                 todo.append(mutant)
         for result in run.own(todo):
-            tried = result.verdict == "survived" and result.name in self.known
-            stage = "proof" if tried else result.stage
-            self._keep(replace(result, benches=self.own_benches, stage=stage))
+            found = replace(result, benches=self.own_benches)
+            self._keep(tried(found, self.known.get(result.name)))
         for mutant in run.mutants if "proof" in self.steps else []:
             old = self.known.get(mutant.name)
             if old is not None and old.verdict == "survived" and old.stage == "own":
