@@ -186,7 +186,7 @@ faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/fault
 	@$(VENV) -m scripts.experiments.link_faults_rtl
 
 .PHONY: mutation
-mutation: setup ## which changes of the RTL do the benches notice (hours); UNIT=, SEED=, COUNT=, ALL=1; goes on
+mutation: setup ## which changes of the RTL the benches notice (hours); UNIT=, SEED=, COUNT=, ALL=1; goes on
 	@nice $(VENV) -m scripts.mutation.rtl --jobs $(JOBS) --seed $(SEED) $(if $(UNIT),--unit $(UNIT)) \
 	  $(if $(COUNT),--count $(COUNT)) $(if $(ALL),--all)
 

@@ -79,11 +79,21 @@ class Line:
     values: list[int]
 
 
+def words_at_edges(bench: Bench) -> list[int]:
+    """A value where an output unit begins, or one below it, and steps of one: the lowest bits decide."""
+    formats, channel = bench.config.formats, bench.config.channel
+    whole = bench.bits(formats.channel_value_bits[channel]) << formats.channel_frac_bits[channel]
+    steps = [bench.draw.choice((-1, 0, 1)) for _ in DIFFERENCES[1:]]
+    return [word % (1 << formats.word_width) for word in (whole - bench.bits(1), *steps)]
+
+
 def scanlines(bench: Bench) -> Iterator[Line | None]:
     """Primitives with all kinds of spans, empty ones among them; None where the edge walker has a gap."""
     formats = bench.config.formats
     for index in range(PRIMITIVES):
         words = [bench.bits(formats.word_width) for _ in DIFFERENCES]
+        if index % 2:
+            words = words_at_edges(bench)
         lane = ChannelLane(words, bench.config.channel, formats)
         rows = 1 + index % 4 if index < 12 else bench.draw.randint(1, 12)
         longest = bench.draw.choice((1, 3, 9))

@@ -43,11 +43,15 @@ def test_span_walker(config: Config) -> None:
 
 def spans(bench: Bench) -> Iterator[Scanline]:
     """Spans of at least one pixel: single ones first, then all lengths."""
+    longest = min(1 << bench.config.coord_bits, 90)
+    lengths = [1, 1, 1, 2, 1, 3, 2, 2, longest]
+    yield from spans_of(bench, lengths + bench.rng.integers(1, min(longest, 12), 100).tolist())
+
+
+def spans_of(bench: Bench, lengths: list[int]) -> Iterator[Scanline]:
+    """Spans of these lengths, and anything else about them."""
     coord_bits = bench.config.coord_bits
     column_bits = coord_bits + 1
-    longest = min(1 << coord_bits, 90)
-    lengths = [1, 1, 1, 2, 1, 3, 2, 2, longest]
-    lengths += bench.rng.integers(1, min(longest, 12), 100).tolist()
     for length in lengths:
         # The count is pixels - 2; any odd negative one is a single pixel.
         count = length - 2 if length > 1 else -1 - 2 * bench.draw.randrange(0, 1 << (coord_bits - 1))
@@ -67,14 +71,16 @@ def words(span: Scanline, column_bits: int) -> tuple[int, ...]:
     return int(span.last), int(span.mirror), span.column, span.y, span.count % (1 << column_bits)
 
 
-async def compare(bench: Bench, source: str, sink: str, resets: Iterator[bool]) -> tuple[int, int]:
+async def compare(
+    bench: Bench, source: str, sink: str, resets: Iterator[bool], lengths: list[int] | None = None
+) -> tuple[int, int]:
     """Every port in every cycle; cycles, and pixels that were taken."""
     dut = bench.dut
     await bench.start("span_valid", "advance", *PORTS)
     offers, wants = SPEEDS[source](bench.draw), SPEEDS[sink](bench.draw)
     formats = bench.config.formats
     column_bits = formats.column_bits
-    waiting = spans(bench)
+    waiting = spans_of(bench, lengths) if lengths else spans(bench)
     offered: Scanline | None = None
     drawing: list[tuple[int, int, bool]] = []
     index, pixels, cycles, more = 0, 0, 0, True
@@ -123,6 +129,16 @@ async def every_cycle(dut: Any, source: str, sink: str) -> None:
         # A pixel in every cycle but the first, in which the first span is loaded, and the last.
         bench.check("cycles at full speed", cycles, pixels + 1)
     bench.finish(at_least=1000)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def lengths_of_every_bit(dut: Any) -> None:
+    """Counts of which each bit is set alone, up to the longest span."""
+    bench = Bench(dut, Config, "lengths_of_every_bit")
+    lengths = [min((1 << bit) + 2, 1 << bench.config.coord_bits) for bit in range(bench.config.coord_bits)]
+    _, pixels = await compare(bench, "full_speed", "full_speed", repeat(False), lengths)
+    bench.check("pixels", pixels, sum(lengths))
+    bench.finish(at_least=sum(lengths))
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

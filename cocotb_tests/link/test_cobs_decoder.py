@@ -137,16 +137,16 @@ async def every_cycle(dut: Any, source: str) -> None:
         pieces.append((noise + b"\0", None))
     unit, go = Unit(bench), SPEEDS[source](bench.draw)
     reset = at_random(bench.draw, 300)
-    for piece, body in pieces:
+    for piece, wanted in pieces:
         waiting, whole = list(piece), True
         unit.frames.clear()
         while waiting or unit.expected != Decoded():
             valid = bool(waiting) and next(go)
-            error = body is None and bool(waiting) and not valid and bench.chance(0.02)
+            error = wanted is None and bool(waiting) and not valid and bench.chance(0.02)
             resets = next(reset)
             # Of a piece in which there is a reset the rest may be anything.
             whole = whole and not resets
             await unit.cycle(waiting.pop(0) if valid else None, error, resets)
-        if body is not None and whole:
-            bench.check("frames", unit.frames, [(body, True)], inputs=piece)
+        if wanted is not None and whole:
+            bench.check("frames", unit.frames, [(wanted, True)], inputs=piece)
     bench.finish(at_least=2000)

@@ -111,6 +111,27 @@ async def areas(dut: Any, source: str, sink: str) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def bytes_come_before_their_ready(dut: Any) -> None:
+    """What takes the bytes may wait for each of them before it is ready."""
+    bench = Bench(dut, Config, "bytes_come_before_their_ready")
+    await bench.start(*INPUTS, "byte_ready")
+    dut.request_valid.value, dut.request_count.value = 1, bench.config.value_bytes + 1
+    await bench.edge()
+    dut.request_valid.value, dut.pixel_valid.value = 0, 1
+    for index in range(bench.config.value_bytes + 1):
+        dut.byte_ready.value = 0
+        for _ in range(4):
+            await bench.edge()
+        bench.check("byte_valid", bool(dut.byte_valid.value), True, index)
+        dut.byte_ready.value = 1
+        await bench.edge()
+    dut.byte_ready.value = 0
+    await bench.edge()
+    bench.check("byte_valid after the last", bool(dut.byte_valid.value), False)
+    bench.finish(at_least=3)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
 async def resets(dut: Any, source: str, sink: str) -> None:
     """Amid any byte of an area: the next one has its own bytes, all of them."""

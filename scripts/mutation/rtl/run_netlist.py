@@ -2,8 +2,9 @@
 """
 Mutants of a unit's netlist by Yosys' `mutate`, simulated by Icarus with the unit's own bench.
 
-One configuration of generics a unit, of those that were measured the one whose simulation takes the least time
-when a run begins; Yosys picks cells of the unit itself, not of those in it, evenly over cells, ports, bits and what they are made of.
+One configuration of generics a unit: of those that were measured, the one whose simulation takes the least
+time when a run begins. Yosys picks cells of the unit itself, not of those in it, evenly over cells, ports,
+bits and what they are made of.
 """
 
 from __future__ import annotations
