@@ -17,6 +17,8 @@ PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED
 # large enough for a monitor takes too long; in cells of ECP5 also the core with the shade unit and the board.
 MAPPED_TESTS := (default and not raster_core and not screen_video) or (raster_core and depth_bits)
 LARGE := render_core or board
+# Of the board with unknown registers, beside its default: one with a monitor, the smallest.
+UNKNOWN_TESTS := test_board and (with_video or single_port)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -56,7 +58,7 @@ test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed
 test-netlist: export QUADSHADE_SIM := icarus
 test-netlist: setup ## run the cocotb tests on GHDL's netlist, some with unknown registers or mapped (slow)
 	@QUADSHADE_NETLIST=ghdl $(PYTEST) cocotb_tests $(if $(T),-k '$(T)')
-	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not test_board'
+	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS) or ($(UNKNOWN_TESTS)))'
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
 

@@ -257,6 +257,7 @@ begin
         seen <= events;
       end if;
       if reset = '1' then
+        ticks <= 0;
         seen <= (others => '0');
         lights <= (others => '0');
       end if;

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from quadshade.engine.netlist import write_netlist
-from quadshade.engine.unknown_registers import PROMISED, without_initial_values
+from quadshade.engine.unknown_registers import DECIDED, PROMISED, without_initial_values
 from quadshade.errors import QuadshadeError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -80,6 +80,63 @@ def test_every_promise_is_one_of_a_register(entity: str) -> None:
     assert kept >= len(PROMISED[entity])
 
 
+COMPARISON = """\
+module depth_test_2_1
+  (input  [1:0] depth_7,
+   input  [2:0] n9_o,
+   output n3_o);
+  wire [2:0] n2_o;
+  wire [2:0] stored;
+  assign stored = n9_o; // (signal)
+  assign n2_o = {1'b0, depth_7};
+  assign n3_o = $unsigned(n2_o) < $unsigned(stored);
+endmodule
+"""
+
+ALL_WORDS = """\
+module all_words;
+  reg [1:0] depth;
+  reg [2:0] word;
+  wire less;
+  integer i;
+  depth_test_2_1 unit (.depth_7(depth), .n9_o(word), .n3_o(less));
+  initial begin
+    for (i = 0; i < 32; i = i + 1) begin
+      {depth, word} = i;
+      #1 $display("%0d %0d %b", depth, word, less);
+    end
+    {depth, word} = 5'b011xx;
+    #1 $display("cleared %b", less);
+    {depth, word} = 5'b010x0;
+    #1 $display("drawn %b", less);
+    {depth, word} = 5'b01x00;
+    #1 $display("neither %b", less);
+  end
+endmodule
+"""
+
+
+def test_comparison_is_the_same_for_known_words(tmp_path: Path) -> None:
+    """And unknown only where the top bit does not decide."""
+    (tmp_path / "all.v").write_text(without_initial_values(COMPARISON) + ALL_WORDS)
+    subprocess.run(["iverilog", "-g2012", "-o", "all", "all.v"], cwd=tmp_path, check=True)
+    said = subprocess.run(["vvp", "-n", "all"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    known = [f"{depth} {word} {int(depth < word)}" for depth in range(4) for word in range(8)]
+    assert said.stdout.splitlines() == [*known, "cleared 1", "drawn x", "neither x"]
+
+
+@pytest.mark.parametrize("change", [("1'b0, depth_7", "1'b1, depth_7"), ("stored", "kept")])
+def test_comparison_that_the_netlist_does_not_have_is_refused(change: tuple[str, str]) -> None:
+    with pytest.raises(QuadshadeError, match="compares nothing with stored as DECIDED says"):
+        without_initial_values(COMPARISON.replace(*change))
+
+
+@pytest.mark.parametrize("entity", DECIDED)
+def test_every_decided_word_is_compared(entity: str) -> None:
+    stripped = without_initial_values(write_netlist({}, entity, root=ROOT).read_text())
+    assert [word for word in DECIDED[entity] if f"= {word}[" not in stripped] == []
+
+
 def simulated(*units: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Benches on netlists whose registers begin unknown."""
     paths = [str(path) for unit in units for path in (ROOT / "cocotb_tests").rglob(f"test_{unit}.py")]
@@ -93,6 +150,12 @@ def test_reset_alone_defines_units() -> None:
     """Cheap ones; `make test-netlist` has every unit."""
     done = simulated("skid_buffer", "memory_clear", "lane_handshake")
     assert done.returncode == 0 and "3 passed" in done.stdout, done.stdout
+
+
+def test_reset_alone_defines_a_board() -> None:
+    """Pictures through its two pins, the first of pixels that meet a z-buffer cleared at power-up."""
+    done = simulated("board", COCOTB_TEST_FILTER="scenes")
+    assert done.returncode == 0 and "1 passed" in done.stdout, done.stdout
 
 
 def test_register_that_no_reset_sets_is_found(tmp_path: Path) -> None:
