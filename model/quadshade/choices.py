@@ -36,6 +36,9 @@ FITS = ("six-point", "least-squares", "minimax", "smooth", "c1")
 ``c1``             least squares without jumps: triangles are split where one could be seen
 """
 
+ADAPTIVE_FITS = ("six-point", "minimax")
+"""Fits of pictures for an allowed error or a budget."""
+
 SPECULAR_FITS = FITS[:3]
 """Fits of cosines, for the power at the pixel."""
 

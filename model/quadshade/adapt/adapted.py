@@ -14,8 +14,9 @@ from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import Adapted, LineCount, Planner, Rival
+from quadshade.adapt.refit import Refit
 from quadshade.adapt.shader import ColourShader, Shader
-from quadshade.choices import MEASURES, UNITS, check_word
+from quadshade.choices import ADAPTIVE_FITS, MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.packing.line import picture_line_bytes
@@ -30,6 +31,10 @@ FITTED = ("num_channels", "with_shade", "num_specular")
 """Generics that are fitted to the lights where the core has no shade unit."""
 HOPELESS = 1.4
 """A kind of channels whose first picture takes so many times as much as another's, or the budget, is left."""
+CLOSE = 1.1
+"""Kinds of channels whose picture takes up to so many times as much as the cheapest are fitted anew too."""
+WINDOW = 3
+"""Limits whose pictures are fitted anew for an error; so many too dear ones end a budget's search."""
 
 
 class ErrorCurve:
@@ -40,7 +45,7 @@ class ErrorCurve:
 
     Parameters
     ----------
-    projected, lights, material, formats, measure, verify, shading, specular, count_line
+    projected, lights, material, formats, measure, verify, shading, specular, count_line, fit
       As for :func:`adapt`.
 
     Raises
@@ -61,7 +66,16 @@ class ErrorCurve:
         shading: str = "quadratic",
         specular: Formats | None = None,
         count_line: LineCount = picture_line_bytes,
+        fit: str = ADAPTIVE_FITS[0],
     ) -> None:
+        check_word("fit of an adaptive picture", fit, ADAPTIVE_FITS)
+        if fit != ADAPTIVE_FITS[0] and (measure != "max" or not verify):
+            raise QuadshadeError(
+                f"the fit {fit} of an adaptive picture is for the largest error, verified",
+                "leave out the fit, or the error measure and what leaves the verification out",
+            )
+        self.fit = fit
+        self._refits: dict[tuple[str, int], Picture] = {}
         check_word("error measure", measure, MEASURES)
         check_word("shading", shading, SHADINGS)
         self.measure, self.verify = measure, verify
@@ -101,6 +115,13 @@ class ErrorCurve:
                 picture = curve.cheapest(max_error, "bytes", most)
                 most = min(most, picture.cost("bytes") if picture.error <= max_error else math.inf)
             pictures.append(picture)
+        if self.fit != ADAPTIVE_FITS[0]:
+            curves = {curve.shading: curve for curve in self.curves}
+            least = min(picture.cost("bytes") for picture in pictures)
+            for number, picture in enumerate(pictures):
+                if picture.cost("bytes") <= CLOSE * least:
+                    curve = curves[picture.plan.planner.shader.shading]
+                    pictures[number] = self._cheapest_refit(curve, picture, max_error)
         pictures.sort(key=lambda picture: (picture.error > max_error, picture.cost("bytes")))
         return self._adapted(pictures, self.refused)
 
@@ -121,8 +142,42 @@ class ErrorCurve:
         if not pictures:
             raise refused[self.curves[0].shading]
         pictures.sort(key=lambda picture: (picture.error, picture.cost(unit)))
+        if self.fit != ADAPTIVE_FITS[0]:
+            pictures[0] = self._best_refit(pictures[0], budget, unit)
         adapted = self._adapted(pictures, refused)
         return replace(adapted, line_bytes=pictures[0].plan.line) if unit == "line" else adapted
+
+    def _refit(self, curve: Curve, index: int) -> Picture:
+        """The picture for a limit of the row, parts fitted anew."""
+        key = curve.shading, index
+        if key not in self._refits:
+            limit = float(curve.steps[index])
+            plan = Refit(curve.planner, limit).cheapest(curve.cheapest(limit, "bytes").plan)
+            self._refits[key] = Picture(plan, plan.error(verify=True))
+        return self._refits[key]
+
+    def _cheapest_refit(self, curve: Curve, picture: Picture, max_error: float) -> Picture:
+        """What takes least of a picture, of itself fitted anew, and of those for limits a little stricter."""
+        plan = Refit(curve.planner, max_error).cheapest(picture.plan)
+        first = curve.first_within(max_error)
+        tried = [picture, Picture(plan, plan.error(verify=True))]
+        tried += [self._refit(curve, index) for index in range(first, min(first + WINDOW, len(curve)))]
+        return min(tried, key=lambda one: (one.error > max_error, one.cost("bytes"), one.error))
+
+    def _best_refit(self, picture: Picture, budget: int, unit: str) -> Picture:
+        """The one with the least error that a budget pays for, of a picture and of those fitted anew."""
+        shading = picture.plan.planner.shader.shading
+        curve = next(curve for curve in self.curves if curve.shading == shading)
+        best, dear = picture, 0
+        for index in range(curve.first_within(picture.error), len(curve)):
+            tried = self._refit(curve, index)
+            paid = tried.cost(unit) <= budget
+            dear = 0 if paid else dear + 1
+            if paid:
+                best = min(best, tried, key=lambda one: (one.error, one.cost(unit)))
+            if dear == WINDOW:
+                break
+        return best
 
     def _adapted(self, pictures: list[Picture], refused: dict[str, QuadshadeError]) -> Adapted:
         """The first picture, and what is known of the second."""
@@ -150,6 +205,7 @@ def adapt(
     shading: str = "quadratic",
     specular: Formats | None = None,
     count_line: LineCount = picture_line_bytes,
+    fit: str = ADAPTIVE_FITS[0],
 ) -> Adapted:
     """
     Pick for each triangle the cheapest orders, or divide it, for an allowed error or a budget.
@@ -185,6 +241,10 @@ def adapt(
       Of the core that draws cosines; by default ``formats``, fitted to the lights.
     count_line : callable
       Bytes on the line of triangles for a core; by default those of :mod:`quadshade.packing.line`.
+    fit : str
+      ``six-point``: the planner's own polynomials. ``minimax``: parts are fitted anew at their pixels, a
+      light's channels together, and the cheapest orders are taken whose drawing keeps the limit (``max``,
+      verified). Never more bytes; several times the time.
 
     Returns
     -------
@@ -194,7 +254,8 @@ def adapt(
     ------
     QuadshadeError
       Neither or both of error and budget, an error that the output's rounding alone exceeds, a budget that
-      the cheapest picture exceeds, an unknown unit, measure or shading, a core without three channels; with
+      the cheapest picture exceeds, an unknown unit, measure, shading or fit, a fit with an
+      error measure it is not for, a core without three channels; with
       ``quadratic-specular`` :class:`quadshade.shading.specular.UnsuitedError` for a scene without cosines.
     """
     if (max_error is None) == (budget is None):
@@ -203,7 +264,7 @@ def adapt(
         )
     curve = ErrorCurve(
         projected, lights, material, formats,
-        measure=measure, verify=verify, shading=shading, specular=specular, count_line=count_line,
+        measure=measure, verify=verify, shading=shading, specular=specular, count_line=count_line, fit=fit,
     )  # fmt: skip
     if budget is not None:
         return curve.for_budget(budget, unit)

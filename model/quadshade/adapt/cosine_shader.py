@@ -9,10 +9,11 @@ from itertools import product
 import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, Diffuse, Specular
+from quadshade.adapt.joint_loops import fit_together
 from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions
 from quadshade.adapt.polynomial_loops import FAINT, CosineKind, joint_errors
-from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Shader
+from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Options, Shader
 from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected
@@ -25,6 +26,10 @@ MOST_OPTIONS = 81
 """All combinations of orders are tried up to so many; else those that treat all channels alike."""
 LEVELS = 11
 """Errors, each half of the one before, down to which channels are treated alike."""
+FARTHEST = 6
+"""Times what is wanted: combinations that are off by more when fitted apart are not fitted together."""
+STEPS = 16
+"""Of fitting together."""
 TABLE_ERROR = 0.04
 """Of the output for a light of 1: the power table's and the lane's rounding (docs/explanation/shade.md)."""
 
@@ -215,6 +220,46 @@ class CosineShader(Shader):
             errors *= MARGIN
         return {"samples": samples * self.full, "options": options, "errors": errors}
 
+    def options_at(
+        self, lit: Projected, whole: np.ndarray, points: np.ndarray, used: np.ndarray, wanted: float
+    ) -> Options:
+        """See :meth:`Shader.options_at`; channels are fitted together, for the colour that they make."""
+        found = self._chunks(
+            lit,
+            slice(None),
+            lambda part, chunk: self._fitted(part, whole[chunk], points[chunk], used[chunk]),
+        )
+        orders, errors = found["options"], found["errors"]
+        picked = orders[..., None, None]
+        samples = np.take_along_axis(found["samples"][:, None], picked, axis=3)[:, :, :, 0] / self.full
+        true, words = self.shade(lit, whole).transpose(0, 2, 1), self.words(orders)
+        known = np.where(errors <= wanted, words, np.inf).min(axis=1)
+        hopeful = (words < known[:, None]) & (errors > wanted) & (errors <= FARTHEST * (wanted + 1))
+        for option in np.flatnonzero(hopeful.any(axis=0)).tolist():
+            rows = np.flatnonzero(hopeful[:, option])
+            own = np.ascontiguousarray(samples[rows, option])
+            errors[rows, option] = fit_together(
+                self._kind,
+                np.ascontiguousarray(points[rows]),
+                used[rows],
+                np.ascontiguousarray(orders[rows, option]),
+                own,
+                np.ascontiguousarray(true[rows]),
+                self.ambient,
+                self.diffuse,
+                self.specular,
+                self.full,
+                STEPS,
+            )
+            samples[rows, option] = own
+        return Options(orders, samples * self.full, errors)
+
+    @property
+    def _kind(self) -> CosineKind:
+        """How loops measure the colour."""
+        whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
+        return CosineKind(True, float(self.exponent), whole, self.measure == "max", 0, 0, False)
+
     def _options(self, errors: np.ndarray) -> np.ndarray:
         """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""
         count, channels = errors.shape[:2]
@@ -232,10 +277,8 @@ class CosineShader(Shader):
     ) -> np.ndarray:
         """(n, k) errors of colours; ``drawn`` are both kinds' cosines (n, lights, orders, p)."""
         facing, towards = (np.ascontiguousarray(values) for values in drawn)
-        whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
-        kind = CosineKind(True, float(self.exponent), whole, self.measure == "max", 0, 0, False)
         return joint_errors(
-            kind, facing, towards, np.ascontiguousarray(options), np.ascontiguousarray(true), used,
+            self._kind, facing, towards, np.ascontiguousarray(options), np.ascontiguousarray(true), used,
             self.ambient, self.diffuse, self.specular, self.full,
         )  # fmt: skip
 

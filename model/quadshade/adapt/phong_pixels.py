@@ -127,6 +127,12 @@ def _pixels_of(pixels: MeshPixels) -> tuple[Ints, Ints, Ints]:
     return triangle, x, y
 
 
+def covered_pixels(projected: Projected, formats: Formats) -> tuple[Ints, Ints, Ints]:
+    """(m,) int64 triangle, x and y of the pixels that the core covers, triangle by triangle, row by row."""
+    rows = _mesh_rows(*covered_packets(projected, formats), len(projected))
+    return _pixels_of(MeshPixels(*rows, np.empty((0, 3))))
+
+
 @njit(cache=True, error_model="numpy")
 def _shade_all(pixels: MeshPixels, lit: LitMesh, subpixel_bits: int) -> None:
     """Write the light at every pixel."""

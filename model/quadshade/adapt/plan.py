@@ -79,6 +79,8 @@ class Adapted:
       Where other kinds of channels were tried, what is known of the next best.
     line_bytes : int or None
       The most that it takes on the serial line, where the budget was one of these.
+    fit : str
+      ``minimax`` where parts are fitted anew, which took less; else ``six-point``.
     """
 
     triangles: ScreenTriangles
@@ -92,6 +94,7 @@ class Adapted:
     formats: Formats
     rival: Rival | None = None
     line_bytes: int | None = None
+    fit: str = "six-point"
 
     def mix(self) -> dict[str, Any]:
         """Counts for reports: shading, triangles sent, divided ones, and triangles and channels by order."""
@@ -102,6 +105,7 @@ class Adapted:
         powers = np.bincount(specular.ravel(), minlength=len(ORDER_NAMES))
         return {
             "adaptive_shading": self.shading,
+            "fit": self.fit,
             "rival": None if self.rival is None else self.rival._asdict(),
             "state_bytes": state_bytes(self.triangles),
             "line_bytes": self.line_bytes,
@@ -303,6 +307,8 @@ class PartErrors:
 class Plan:
     """A surface with its decision."""
 
+    fit = "six-point"
+
     def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
         self.planner, self.surface, self.decision = planner, surface, decision
         self.triangles = planner.shader.screen_triangles(surface.projected, decision.samples, decision.orders)
@@ -354,4 +360,5 @@ class Plan:
             verify,
             self.planner.shader.shading,
             self.planner.shader.formats,
+            fit=self.fit,
         )

@@ -17,7 +17,7 @@ FAINT = 1e-4
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _solve(matrix: Floats, right: Floats, size: Int) -> None:
+def solve(matrix: Floats, right: Floats, size: Int) -> None:
     """Solve a positive definite system of the first ``size`` unknowns in place (Cholesky)."""
     for row in range(size):
         for column in range(row + 1):
@@ -67,7 +67,7 @@ def _weighted(shape: Floats, row: Int, value: Floats, weight: Floats, matrix: Fl
     for i in range(size):
         # Shape functions sum to 1, so what this pulls to zero is the distance from the mean.
         matrix[i, i] += RIDGE * trace
-    _solve(matrix, out, size)
+    solve(matrix, out, size)
     for i in range(size):
         out[i] += mean
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -67,6 +68,24 @@ class Choice:
     words: np.ndarray
 
 
+@dataclass(frozen=True)
+class Options:
+    """
+    Combinations of orders for triangles, each with polynomials of its own.
+
+    Attributes
+    ----------
+    orders : (n, k, channels) int64
+    samples : (n, k, channels, 6) float64
+    errors : (n, k) float64
+      The largest difference at the points that were looked at, before the output is rounded.
+    """
+
+    orders: np.ndarray
+    samples: np.ndarray
+    errors: np.ndarray
+
+
 class Shader:
     """Scene, light, core and error measure: what is common to colours and cosines."""
 
@@ -120,6 +139,25 @@ class Shader:
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """The best polynomials of every order, and what each leaves."""
+        raise NotImplementedError
+
+    def options_at(
+        self, lit: Projected, whole: np.ndarray, points: np.ndarray, used: np.ndarray, wanted: float
+    ) -> Options:
+        """
+        Combinations of orders, fitted at points of triangles to a small largest difference.
+
+        Parameters
+        ----------
+        lit : Projected
+          The triangles of the undivided mesh of which these are parts.
+        whole, points : (n, p, 3) float64
+          The points in these, and in the parts.
+        used : (n, p) bool
+          Which of them count, at least one.
+        wanted : float
+          An error for which nothing better is looked for.
+        """
         raise NotImplementedError
 
     def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
@@ -244,6 +282,23 @@ class ColourShader(Shader):
             even = fit_at(POINTS[None], everywhere, values, order, self.full, self.measure)
             best = better_fit(best, even, self.measure)
         return best
+
+    def options_at(
+        self, lit: Projected, whole: np.ndarray, points: np.ndarray, used: np.ndarray, wanted: float
+    ) -> Options:
+        """See :meth:`Shader.options_at`."""
+        values = self.shade(lit, whole)
+        fits = [fit_at(points, used, values, order, self.full, self.measure) for order in self.orders]
+        samples = np.stack([one.samples for one in fits], axis=2)
+        errors = np.stack([one.largest for one in fits], axis=2)
+        every = np.array(list(product(range(len(self.orders)), repeat=len(CHANNELS))))
+        orders = np.unique(self.free_orders(every), axis=0)
+        channel = np.arange(len(CHANNELS))
+        return Options(
+            np.broadcast_to(orders, (len(values), *orders.shape)),
+            samples[:, channel, orders],
+            errors[:, channel, orders].max(axis=2),
+        )
 
     def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
         if self.measure == "max":

@@ -9,9 +9,11 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
 
 from quadshade.choices import (
+    ADAPTIVE_FITS,
     ADAPTIVE_SHADINGS,
     DEFAULT_SHADING,
     FITS,
+    MEASURES,
     OWN_SAMPLES,
     PHONG,
     SETUPS,
@@ -162,7 +164,7 @@ class RenderSettings:
     def _check_fit(self) -> None:
         """Refuse a fit of what is not fitted."""
         scene, shading, method = self.scene, self.scene.interpolation, self.setup.setup
-        if scene.fit == FITS[0]:
+        if scene.fit == FITS[0] or self.adapt.is_adaptive:
             return
         fitted = FITS if shading == DEFAULT_SHADING else SPECULAR_FITS
         what = None
@@ -187,9 +189,16 @@ class RenderSettings:
             raise QuadshadeError(
                 "--toon with --max-error or --budget, which are about Phong shading", "leave it out"
             )
-        if self.scene.fit != FITS[0]:
+        if self.scene.fit not in ADAPTIVE_FITS:
             raise QuadshadeError(
-                f"--fit {self.scene.fit} with --max-error or --budget, which choose orders", "leave one out"
+                f"--fit {self.scene.fit} with --max-error or --budget, which choose orders",
+                f"give --fit {' or '.join(ADAPTIVE_FITS)}",
+            )
+        if self.scene.fit != ADAPTIVE_FITS[0] and (
+            self.adapt.measure != MEASURES[0] or not self.adapt.verify
+        ):
+            raise QuadshadeError(
+                f"--fit {self.scene.fit} with --error-measure rms or --no-verify", "leave one of them out"
             )
         if self.setup.setup in OWN_SAMPLES:
             raise QuadshadeError(f"--setup {self.setup.setup} takes its own samples", "use another --setup")

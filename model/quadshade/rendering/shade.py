@@ -310,7 +310,11 @@ def adapted_scene(
     def count(triangles: ScreenTriangles, core: Formats) -> int:
         return sum(count_line(moved(triangles, by, core), core) for by in moves)
 
-    return adapt(
+    fit = settings.scene.fit
+    adapted = adapt(
         projected, lights, surface, formats, **settings.adapt.arguments(),
-        shading=shading or "auto", specular=specular, count_line=count,
+        shading=shading or "auto", specular=specular, count_line=count, fit=fit,
     )  # fmt: skip
+    if adapted.fit != fit:
+        reports.notice(f"fit: no picture of the fit {fit} is better, so it is drawn without")
+    return adapted
