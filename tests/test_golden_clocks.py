@@ -8,6 +8,8 @@ import pytest
 
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw, draw_words
+from quadshade.golden.clocks import count_clocks
+from quadshade.golden.compiled import draw_fast
 from tests.support.golden_stimuli import triangle_words, triangles_of
 
 SCENES = {
@@ -16,6 +18,34 @@ SCENES = {
     "starved": (Formats(num_channels=8, with_depth=0), 70, 40),
     "one_span": (Formats(num_channels=1, with_depth=0, max_order=1, stream_width=128, span_depth=1), 250, 64),
 }
+
+RECORDED = {
+    "default": (Formats(), 0, 0, 263),
+    "stalled": (Formats(span_depth=2), 5, 0, 292),
+    "shaded": (Formats(stream_width=64), 0, 9, 242),
+    "shaded_stalled": (Formats(stream_width=128), 3, 9, 278),
+    "wide": (Formats(stream_width=128, span_depth=4), 0, 0, 209),
+    "starved": (Formats(num_channels=8, with_depth=0), 0, 0, 302),
+    "one_span": (
+        Formats(num_channels=1, with_depth=0, max_order=1, stream_width=128, span_depth=1),
+        2,
+        1,
+        319,
+    ),
+}
+"""Formats, stall period, stages behind, clocks of a small scene: the VHDL's where nothing stalls."""
+
+
+@pytest.mark.parametrize("name", RECORDED)
+def test_clocks_are_those_recorded(name: str) -> None:
+    formats, stall_period, stages_behind, clocks = RECORDED[name]
+    words = triangle_words(formats, np.random.default_rng(1), 7, 64)
+    assert draw_fast(words, formats, stall_period, stages_behind).clocks == clocks
+
+
+def test_nothing_drawn_takes_no_clock() -> None:
+    nothing = np.zeros(1, dtype=np.int64)
+    assert count_clocks(nothing[:0], nothing, nothing[:0], Formats()) == 0
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -34,9 +34,9 @@ def random_g_buffer(
 
 
 @pytest.mark.parametrize("variant", [DIAGONAL, EIGHT])
-@pytest.mark.parametrize("bits", [8, 11, 16])
+@pytest.mark.parametrize("bits", [8, 11, 15, 16])
 def test_numpy_is_the_scalar_one(rng: np.random.Generator, bits: int, variant: int) -> None:
-    for height, width in ((1, 3), (2, 5), (7, 9)):
+    for height, width in ((1, 3), (2, 5), (7, 9), (40, 41)):
         normal, depth = random_g_buffer(rng, height, width, bits)
         pixels = np.dstack([normal.astype(int), depth]).reshape(-1, 4).tolist()
         expected = edge_map_scalar(pixels, width, height, bits, variant)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -11,6 +12,8 @@ import pytest
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import (
+    ShadeState,
+    channel_gains,
     colour_state,
     curve_table,
     power_curve,
@@ -182,6 +185,37 @@ def test_state_is_written_once_to_each_address() -> None:
     assert writes[512 * 3] == state.tables[3, 0] and writes[4096 + 4 * 2 + 2] == 3 << 16
     assert writes[4128] == (255 << 16) + (1 << 15) and writes[4131] == 5 << 8
     assert dict(colour_state(formats).writes().tolist())[4131] == 15
+
+
+def test_a_state_is_read_back_from_its_registers() -> None:
+    formats = FORMATS["four lights"]
+    state = shade_state(formats, [1, 0, 0.5], np.eye(8)[:, :3] * 3, [power_curve(7)] * 4, gated=5)
+    again = ShadeState.from_registers(dict(state.writes().tolist()), formats)
+    assert (again.gated, again.linear, again.guard_bits) == (5, 0, 0)
+    for name in ("ambient", "coefficients", "tables"):
+        assert np.array_equal(getattr(again, name), getattr(state, name)), name
+    colour = colour_state(formats)
+    assert (colour.gated, colour.linear, colour.guard_bits) == (0, 15, 0)
+    again = ShadeState.from_registers(dict(colour.writes().tolist()), formats)
+    assert (again.gated, again.linear) == (0, 15) and not again.tables.any()
+
+
+def test_an_error_in_a_channel_is_multiplied_by_coefficient_and_slope() -> None:
+    formats = Formats(with_shade=1, num_channels=3, num_specular=2, with_depth=0)
+    curves = [lambda cosine: cosine, lambda cosine: np.where(cosine > 0.5, 2 * cosine - 1, 0.0)]
+    state = shade_state(formats, [0, 0, 0], [[0.5, 2, 0], [1, 0, 0], [0, 0, 3]], curves)
+    gains = channel_gains(state, formats)
+    steepest = []
+    for words in state.tables.tolist():
+        # An interval of octave n is 2**n parts of the lane's range; the last one is cut at a cosine of 0.
+        rises = [abs((word >> 16) - (word & 0xFFFF)) / (255 << 8) for word in words[:-1]]
+        parts = [1 << max(index // 32 - 1, 0) for index in range(len(rises))]
+        top = (1 << formats.lane_value_bits) - 1
+        steepest.append(max(rise * top / part for rise, part in zip(rises, parts, strict=True)))
+    assert gains == pytest.approx([2.0, steepest[0], 3 * steepest[1]], rel=1e-9)
+    assert steepest[0] >= 1 and steepest[1] >= 2
+    linear = replace(state, linear=0b10)
+    assert channel_gains(linear, formats).tolist() == [gains[0], gains[1], 3.0]
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from quadshade.contract.formats import Formats
+from quadshade.golden.common.block_ram import BlockRam
+from quadshade.golden.common.memory_clear import MemoryClear
 from quadshade.golden.common.skid_buffer import SkidBuffer
 from quadshade.golden.core.edge_dda import EdgeDda, signed
 from quadshade.golden.core.edge_walker import Scanline, walk_edges
+from quadshade.golden.core.lane_handshake import LaneHandshake, LaneInputs
 from quadshade.golden.core.output_clamp import output_clamp
 from quadshade.golden.core.pixel_channel import PixelChannel
 from quadshade.golden.core.scanline_channel import ScanlineChannel
@@ -137,3 +140,54 @@ def test_span_chain_is_first_in_first_out(depth: int, cycles: list[tuple[bool, b
         if taken:
             held.append(number)
         assert [stage for stage in chain.stages if stage is not None] == list(held)[::-1]
+
+
+def test_memory_is_filled_on_request_when_it_is_empty() -> None:
+    model, seen = MemoryClear(3), []
+    for clear, emptied in (
+        [(False, False)] * 4 + [(True, False), (True, False), (True, True)] + [(True, True)] * 4
+    ):
+        seen.append((model.address, model.draining, model.busy))
+        model.clock(clear, emptied)
+    waiting, idle = (None, True, True), (None, False, False)
+    fill = [(address, False, True) for address in range(3)]
+    assert seen == [*fill, idle, idle, waiting, waiting, *fill, idle]
+    model.reset()
+    assert (model.address, model.draining) == (0, False)
+
+
+def test_memory_is_read_through_its_registers() -> None:
+    for stages in (1, 2, 4, 5):
+        model = BlockRam(stages)
+        model.fill(7, 4)
+        seen = []
+        for clock in range(8):
+            model.clock((clock, 10 + clock) if clock < 4 else None, 3 - clock if clock < 4 else 0)
+            seen.append(model.read_data)
+        # What is read in the clock of its writing is undefined; the first two words are read unwritten.
+        late = stages - 1
+        assert seen[:late] == [None] * late
+        expected = [7, 7, 11, 10, 10, 10, 10, 10]
+        assert seen[late:] == expected[: 8 - late], stages
+        held = model.read_data
+        model.clock(None, None)
+        assert model.read_data == held
+
+
+def test_a_lane_moves_when_what_is_behind_it_has_room() -> None:
+    lane, full = LaneHandshake(), {"chain_full_next": True}
+    stalled = {"clamped_valid": True, "emitted_valid": True}
+    for inputs, moves in (
+        ({"walk_span_coming": True}, "walk walked_valid advance wanted"),
+        ({**full, "walk_span_coming": True, "span_valid": True}, "walked_valid advance"),
+        ({**full, **stalled}, "walked_valid"),
+        ({**full, "emitted_valid": True, "emitted_ready": True, "span_ending": True}, "walked_valid advance"),
+        ({**full, "span_ending": True}, "walk walked_valid advance wanted"),
+        ({"emitted_valid": True}, "walk advance wanted"),
+        (stalled, "walk wanted"),
+    ):
+        lane.clock(LaneInputs(**inputs))
+        assert [name for name in ("walk", "walked_valid", "advance", "wanted") if getattr(lane, name)] == (
+            moves.split()
+        )
+        assert lane.span_taken == ("advance wanted" in moves) and lane.load == ("wanted" in moves)

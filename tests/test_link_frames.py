@@ -174,6 +174,14 @@ def test_definition_hash_covers_formats_and_protocol(monkeypatch: pytest.MonkeyP
     assert protocol.definition_hash() in hashes
 
 
+def test_what_is_sequenced_and_what_answers() -> None:
+    sequenced = {"CLEAR", "STATE", "TRIANGLES", "READ", "FRAME_CRC"}
+    assert {opcode.name for opcode in Opcode if opcode.is_sequenced} == sequenced
+    others = {"HELLO", "STATUS", "RESET", "BAUD"}
+    assert {opcode.name for opcode in Opcode if not opcode.is_answer} == sequenced | others
+    assert len(Opcode) == 17 and protocol.MAGIC.to_bytes(4, "little") == b"QSHD"
+
+
 def test_every_fault_happens() -> None:
     injector = FaultInjector(0.01, "every")
     data = bytes(range(256)) * 400

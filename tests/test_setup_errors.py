@@ -114,6 +114,34 @@ def test_refused(given: ScreenTriangles, message: str) -> None:
     assert caught.value.hint
 
 
+@pytest.mark.parametrize(
+    ("given", "said", "hint"),
+    [
+        (
+            broken(vertices=with_vertex(2 * 64 * 256 + 64)),
+            "triangle out of range: triangle 1 has its vertices at [[0.0, 0.0], [40.0, 0.0], [128.25, 40.0]]",
+            "clip to -64 .. 128 pixels (generic coord_bits)",
+        ),
+        (broken(width=65), "screen of 65 x 64 pixels", "give 1 to 64 (generic coord_bits)"),
+        (
+            broken(vertices=np.zeros((3, 3, 2))),
+            "the triangles' vertices are float64",
+            "give whole sub-pixels",
+        ),
+        (
+            broken(vertices=np.zeros((3, 2), np.int64)),
+            "the triangles' vertices has shape (3, 2)",
+            "give (3, 3, 2)",
+        ),
+        (broken(depth=np.zeros((3, 2))), "the triangles' depth has shape (3, 2)", "give (3, 3)"),
+    ],
+)
+def test_where_it_is_and_what_to_do(given: ScreenTriangles, said: str, hint: str) -> None:
+    with pytest.raises(QuadshadeError) as caught:
+        setup_triangles(given, FORMATS)
+    assert str(caught.value).startswith(said) and caught.value.hint == hint
+
+
 def test_guard_band_is_allowed() -> None:
     """Up to its ends, all of the triangle's pixels are drawn; one sub-pixel further it is refused."""
     low, high = FORMATS.guard_band

@@ -50,7 +50,7 @@ class Group:
 
     tests: tuple[str, ...]
     more: tuple[str, ...] = ()
-    slow: float = 2.0
+    slow: float = 1.5
 
     @property
     def selected(self) -> list[str]:
@@ -65,7 +65,19 @@ class Group:
 
 
 GROUPS = {
-    "contract": Group(("setup_packet", "generate_vhdl", "width_expressions", "link_frames", "shade_file")),
+    "packing": Group(("frame_file", "link_packing")),
+    "contract": Group(
+        (
+            "setup_packet",
+            "generate_vhdl",
+            "width_expressions",
+            "link_frames",
+            "shade_file",
+            "golden_shade",
+            "lint::test_generated_package_is_current",
+            "habits::test_version_is_a_release_with_its_definition",
+        ),
+    ),
     "golden": Group(
         (
             "golden_units",
@@ -73,13 +85,17 @@ GROUPS = {
             "golden_screen",
             "golden_edge_map",
             "golden_shade",
+            "golden_clocks::test_clocks_are_those_recorded",
+            "golden_clocks::test_nothing_drawn_takes_no_clock",
+            "golden_link",
+            "golden_video",
             "link_golden",
+            "link_limits",
         )
     ),
-    "link": Group(("link_transport", "link_frames", "link_session", "board_ports")),
-    "packing": Group(("frame_file", "link_packing")),
     "setup": Group(
         (
+            "setup_recorded",
             "setup_errors",
             "setup_packet",
             "setup_triangle_file",
@@ -90,10 +106,24 @@ GROUPS = {
             "setup_edges::test_fan_is_watertight",
             "setup_edges::test_fewest_packets",
             "setup_edges::test_coverage_of_any_triangle",
-        )
+        ),
+        slow=0.7,
     ),
+    "link": Group(("link_transport", "link_frames", "link_session", "board_ports")),
     "adapt": Group(
-        ("adapt_steps", "adapt_curve", "adapt_highlight", "adapt_cosines", "adapt_choice"),
+        (
+            "adapt_recorded",
+            "adapt_highlight",
+            "adapt_steps",
+            "adapt_curve::test_limits_are_round_numbers_a_few_per_cent_apart",
+            "adapt_choice::test_fits_reproduce_what_their_order_can",
+            "adapt_choice::test_fits_are_no_worse_than_sampling",
+            "adapt_choice::test_bend_bounds_quadratic_against_plane",
+            "adapt_choice::test_refusals",
+            "adapt_cosines::test_small_triangles_are_known_by_their_pixels",
+            "adapt_cosines::test_weighted_fits_reproduce_what_their_order_can",
+            "adapt_cosines::test_equal_extremes_are_less_than_the_mean_squares",
+        ),
         more=("scene/subdivide.py", "scene/subdivide_loops.py"),
     ),
 }

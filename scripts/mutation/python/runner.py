@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import math
 import os
 import resource
 import shutil
@@ -134,10 +135,12 @@ class Session:
             self.problem = "tests cannot be collected"
             return True
         for item in session.items:
-            start = time.process_time()
             with self._functions() as self.reached[item.nodeid]:
-                self._run_item(item)
-            self.seconds[item.nodeid] = time.process_time() - start
+                seconds = self._timed(item, 2 * self.slow)
+            if self.slow < seconds < math.inf:
+                # Not slow if that was numba's compiler.
+                seconds = self._timed(item, self.slow)
+            self.seconds[item.nodeid] = seconds
             if self.failed:
                 self.problem = f"{self.failed} fails without a change"
                 return True
@@ -170,6 +173,16 @@ class Session:
                 for code in called
                 if code.co_filename.startswith(str(self.package))
             }
+
+    def _timed(self, item: pytest.Item, limit: float) -> float:
+        """Seconds of processor time of a test; infinite if it was ended at a limit."""
+        start = time.process_time()
+        with _interrupted_after(limit) as interrupted:
+            self._run_item(item)
+        if interrupted.is_set():
+            self.failed = ""
+            return math.inf
+        return time.process_time() - start
 
     def _run_item(self, item: pytest.Item) -> None:
         # The same item again and again: nothing that stays set up for a next one.
@@ -231,6 +244,24 @@ class Session:
             if self.failed:
                 return self.failed
         return ""
+
+
+@contextlib.contextmanager
+def _interrupted_after(seconds: float) -> Iterator[threading.Event]:
+    """A test that takes more processor time fails, and this says so: its end is not waited for."""
+    interrupted = threading.Event()
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        interrupted.set()
+        pytest.fail("takes too long")
+
+    former = signal.signal(signal.SIGPROF, interrupt)
+    signal.setitimer(signal.ITIMER_PROF, seconds, 1.0)
+    try:
+        yield interrupted
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, former)
 
 
 def _hurry() -> None:

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Adaptive pictures of tiny scenes: parts, orders and errors are those that were recorded."""
+
+from __future__ import annotations
+
+import zlib
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quadshade.adapt import Adapted, adapt, stream_bytes
+from quadshade.adapt.centre_test import centre_subdivision
+from quadshade.adapt.cho import highlight_subdivision, regular_subdivision
+from quadshade.adapt.highlight import highlight_centres
+from quadshade.scene import Projected, load_scene, parse_camera, project
+from quadshade.shading import AmbientLight, DirectionalLight, Material, PointLight
+from tests.support.recorded import assert_recorded
+
+LIGHTS = [
+    AmbientLight(),
+    PointLight((3.0, 4.0, 5.0)),
+    PointLight((-4.0, 2.0, 1.0), (0.5, 0.4, 0.3), (1.0, 0.1, 0.0)),
+    DirectionalLight((1.0, 2.0, 0.5)),
+]
+CASES: dict[str, dict[str, Any]] = {
+    "colours": {"max_error": 6.0, "shading": "quadratic"},
+    "colours_rms": {"max_error": 1.5, "measure": "rms", "shading": "quadratic"},
+    "cosines": {"max_error": 5.0, "shading": "quadratic-specular"},
+    "cosines_rms": {"max_error": 1.0, "measure": "rms", "shading": "quadratic-specular"},
+    "lights": {"max_error": 4.0, "shading": "quadratic-lights"},
+    "budget": {"budget": 2500, "shading": "auto"},
+    "clocks": {"budget": 700, "unit": "clocks", "shading": "quadratic"},
+    "subdivided": {},
+    "centres": {},
+}
+
+
+def looked_at(scene: str = "icosphere:1", width: int = 26, height: int = 21) -> Projected:
+    mesh = load_scene(scene)
+    return project(mesh, parse_camera("from=1,2,3", mesh), width, height)
+
+
+def sums(adapted: Adapted) -> dict[str, Any]:
+    """What is drawn, in few numbers."""
+    triangles = adapted.triangles
+    return {
+        "parts": len(adapted.root),
+        "bytes": stream_bytes(triangles, adapted.formats),
+        "shading": adapted.shading,
+        "orders": np.bincount(triangles.orders.ravel(), minlength=3).tolist(),
+        "root": zlib.crc32(adapted.root.astype("<i8").tobytes()),
+        "vertices": zlib.crc32(triangles.vertices.astype("<i8").tobytes()),
+        "error": float(adapted.error),
+        "samples": np.abs(triangles.samples).sum(axis=(0, 1)).tolist(),
+    }
+
+
+def subdivided() -> dict[str, Any]:
+    """What the subdivisions of Cho et al. make of a sphere."""
+    whole = looked_at(width=60, height=50)
+    made = {
+        "regular": regular_subdivision(whole, LIGHTS, 8.0),
+        "highlight": highlight_subdivision(whole, LIGHTS, threshold=0.05),
+    }
+    pictures = {name: parts.projected for name, parts in made.items()}
+    pictures["centre"] = centre_subdivision(whole, 2.0, LIGHTS, Material(exponent=50))[0]
+    found: dict[str, Any] = {}
+    for name, projected in pictures.items():
+        found[name] = [len(projected), zlib.crc32(projected.vertices.astype("<i8").tobytes())]
+        found[name] += np.abs(projected.normal).sum(axis=(0, 1)).tolist()
+    return found
+
+
+def centres() -> dict[str, Any]:
+    """Where the highlights of a sphere are."""
+    whole = looked_at(width=60, height=50)
+    found: dict[str, Any] = {}
+    for number, light in enumerate(LIGHTS[1:]):
+        where, what = highlight_centres(whole, np.arange(len(whole)), light)
+        found[str(number)] = [where.tolist(), np.asarray(what).ravel().tolist()]
+    return found
+
+
+def computed(name: str) -> dict[str, Any]:
+    """The numbers of a case."""
+    if name == "subdivided":
+        return subdivided()
+    if name == "centres":
+        return centres()
+    return sums(adapt(looked_at(), LIGHTS, Material(exponent=50), **CASES[name]))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_numbers_are_those_recorded(name: str) -> None:
+    assert_recorded("adapt", name, computed(name))
