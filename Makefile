@@ -151,6 +151,10 @@ continuity: setup ## measure Mach bands and fractional stepping, write docs/repo
 adapt: setup ## adaptive pictures beside fixed choices, error against bytes; writes docs/reports/adapt.md
 	@$(VENV) -m scripts.experiments.adaptive_vs_fixed
 
+.PHONY: adapt-fits
+adapt-fits: setup ## what fits save of an adaptive picture's bytes; writes docs/reports/adapt_fits.md
+	@$(VENV) -m scripts.experiments.adaptive_fits
+
 .PHONY: density
 density: setup ## mesh density, order, fit and power at the pixel for an error; writes docs/reports/density.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.density

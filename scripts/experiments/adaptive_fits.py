@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+What fits save of an adaptive picture's bytes, and the bytes below which no picture of the mesh is.
+
+Writes docs/reports/adapt_fits.md and adapt_fits.json. The real meshes are those of the package pyvista, which
+pip fetches at run time; without a package index they are left out, and the report says so.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+
+from quadshade.adapt import ErrorCurve, error_figures, pixel_errors, stream_bytes
+from quadshade.engine import draw
+from quadshade.files.markdown import markdown_table
+from quadshade.scene import Projected, fit_camera, load_scene, project
+from quadshade.shading import Material
+from scripts.experiments.real_meshes import PACKAGE, real_meshes
+from scripts.experiments.report_writer import REPORTS, command_line, output_option, paragraph, write_report
+from scripts.one_line_errors import one_line_errors
+
+REPORT = REPORTS / "adapt_fits.md"
+GENERATED = ("sphere:168", "sphere:374", "sphere:690", "torus:288")
+ERRORS = (16.0, 8.0, 4.0, 2.0, 1.0, 0.7)
+"""Grey levels."""
+WANTED = 0.9
+"""Share of the bytes that fits should leave."""
+COLUMNS = (
+    "mesh", "max error", "channels", "bytes, six points", "with fits", "share", "parts", "parts with fits",
+    "measured", "flat", "share",
+)  # fmt: skip
+
+
+def rows_of(name: str, whole: Projected, material: Material) -> Iterator[dict]:
+    """For each error what is picked without and with fits, every pixel drawn anew and compared."""
+    plain = ErrorCurve(whole, None, material, shading="auto")
+    fitted = ErrorCurve(whole, None, material, shading="auto", fit="minimax")
+    flat = min(curve.picture(0).plan.bytes for curve in plain.curves)
+    for error in ERRORS:
+        row: dict = {"mesh": name, "max_error": error, "flat_bytes": flat}
+        for key, curve in (("plain", plain), ("fitted", fitted)):
+            adapted = curve.for_error(error)
+            drawing = draw(adapted.triangles, adapted.formats)
+            off = pixel_errors(drawing.pixels, adapted.root, whole, None, material, adapted.formats)
+            row[key] = {
+                "channels": adapted.shading,
+                "bytes": stream_bytes(adapted.triangles, adapted.formats),
+                "parts": len(adapted.triangles),
+                "max": error_figures(off).largest,
+            }
+        yield row
+
+
+def cells(row: dict) -> list[str]:
+    """One line of the table."""
+    plain, fitted, flat = row["plain"], row["fitted"], row["flat_bytes"]
+    return [
+        row["mesh"], f"{row['max_error']:g}", fitted["channels"], str(plain["bytes"]), str(fitted["bytes"]),
+        f"{fitted['bytes'] / plain['bytes']:.3f}", str(plain["parts"]), str(fitted["parts"]),
+        f"{fitted['max']:.2f}", str(flat), f"{flat / plain['bytes']:.3f}",
+    ]  # fmt: skip
+
+
+def summary(rows: list[dict]) -> list[list[str]]:
+    """For each error the median over the meshes, of what is left and of the bound."""
+    out = []
+    for error in ERRORS:
+        mine = [row for row in rows if row["max_error"] == error]
+        left = [row["fitted"]["bytes"] / row["plain"]["bytes"] for row in mine]
+        bound = [row["flat_bytes"] / row["plain"]["bytes"] for row in mine]
+        forbidden = sum(share > WANTED for share in bound)
+        out.append(
+            [f"{error:g}", f"{np.median(left):.3f}", f"{min(left):.3f}", f"{max(left):.3f}",
+             f"{np.median(bound):.3f}", f"{forbidden} of {len(mine)}"]
+        )  # fmt: skip
+    return out
+
+
+def text(rows: list[dict], command: str, size: int, exponent: float, missing: bool) -> str:
+    """The report."""
+    left = [row["fitted"]["bytes"] / row["plain"]["bytes"] for row in rows]
+    more = sum(row["fitted"]["bytes"] > row["plain"]["bytes"] for row in rows)
+    beyond = sum(row["fitted"]["max"] > row["max_error"] for row in rows)
+    lines = [
+        "# Fits for an allowed error",
+        "",
+        "Written by",
+        f"`{command}`",
+        f"(`make adapt-fits`, which takes the real meshes from {PACKAGE}).",
+        f"{size}x{size} pixels, default lights, exponent {exponent:g}, default generics.",
+        "",
+        paragraph(
+            "`quadshade render --max-error`, every pixel verified: bytes of the set-up stream and of the "
+            "shade unit's state as planned by default (*six points*) and "
+            "with `--fit minimax`, both by this run. "
+            "*Flat* is the picture with every channel of the undivided mesh constant, of the "
+            "channels of which "
+            "it takes least: no picture of these triangles takes fewer bytes, so its share is the least "
+            "that any fit could leave."
+        ),
+        "",
+        paragraph(
+            f"Over all {len(rows)} rows the median share that is left is {np.median(left):.3f}, the least "
+            f"{min(left):.3f}. {more} rows take more bytes with fits, {beyond} exceed the error."
+        ),
+        "",
+    ]
+    if missing:
+        lines += [f"The real meshes are missing: pip could not fetch {PACKAGE}.", ""]
+    heads = ("max error", "share left, median", "least", "most", "flat, median share", "flat forbids 10 %")
+    return "\n".join(
+        [
+            *lines,
+            markdown_table(heads, summary(rows)),
+            "",
+            markdown_table(COLUMNS, [cells(row) for row in rows]),
+            "",
+        ]
+    )
+
+
+@click.command()
+@click.option("--size", default=512, show_default=True, help="Pixels each way.")
+@click.option("--exponent", default=50.0, show_default=True, help="Specular exponent.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
+def main(size: int, exponent: float, output: Path) -> None:
+    """Plan every mesh for every error without and with fits, and write the report."""
+    console, material = Console(stderr=True), Material(exponent=exponent)
+    rows: list[dict] = []
+    with tempfile.TemporaryDirectory() as folder:
+        real = real_meshes(Path(folder))
+        if not real:
+            console.print(f"adapt-fits: pip cannot fetch {PACKAGE}; real meshes are left out")
+        for name, source in [*((n, n) for n in GENERATED), *((path.name, str(path)) for path in real)]:
+            console.print(f"planning {name}")
+            mesh = load_scene(source)
+            rows += rows_of(name, project(mesh, fit_camera(mesh), size, size), material)
+    command = command_line("adaptive_fits", size=size, exponent=exponent)
+    written = text(rows, command, size, exponent, not real)
+    write_report(output, written, {"command": command, "rows": rows})
+    click.echo(written)
+
+
+if __name__ == "__main__":
+    main()
