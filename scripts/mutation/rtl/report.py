@@ -153,7 +153,8 @@ def section(
     conditions = fill(
         f"Written by `make mutation`, with seed {seed}: of {candidates} changes of the VHDL's text and of "
         f"what Yosys' `mutate` finds in the netlists. {stillborn} more were no hardware and are not counted. "
-        "A bench runs with its own seed, 1, and ends at its first fault; a mutant is killed too where one "
+        "A netlist is of one configuration of its bench. A bench runs with its own seed, 1, and ends at its "
+        "first fault; a mutant is killed too where one "
         f"takes over four times the clean run's simulated time. {tools}. {changed(results)} "
         f"{missing(results, asked)}",
         130,
