@@ -180,7 +180,10 @@ def section(
         ]
     proofs = [result for result in results if result.verdict == "equivalent"]
     if proofs:
-        said = "Both netlists do the same in every configuration of the unit's bench, by temporal induction."
+        said = (
+            "Both netlists do the same, by temporal induction: of a change of text in every configuration of "
+            "the unit's bench."
+        )
         parts += ["### Equivalent by proof", said, _listed(proofs, {})]
     return "\n\n".join(parts)
 
