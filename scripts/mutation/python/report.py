@@ -113,8 +113,8 @@ def section(content: dict[str, Any] | None = None) -> str:
         fill(
             f"Written by `make mutation-python COUNT={count} SEED={seed}`. {rest}Mutants are made by "
             f"{conditions['tool']}, but for dropped statements; each file has its share of all places that "
-            "can be changed. A mutant is run on tests of its package that take less than two seconds each, "
-            "without numba's compiler for its package's loops. "
+            "can be changed. A mutant is run on quick tests of its package, without numba's compiler for its "
+            "package's loops. "
             f"{overall['timeouts']} of those killed did not end.",
             130,
         ),
