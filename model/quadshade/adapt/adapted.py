@@ -104,13 +104,21 @@ class ErrorCurve:
             )
         if max_error == math.inf:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
-        first = [curve.picture(curve.first_within(max_error)) for curve in self.curves]
-        enough = HOPELESS * min(picture.cost("bytes") for picture in first)
-        most = min((p.cost("bytes") for p in first if p.error <= max_error), default=math.inf)
+        first = [curve.first_within(max_error) for curve in self.curves]
+        planned = [
+            curve.plan(index).cost("bytes") for curve, index in zip(self.curves, first, strict=True)
+        ]
+        enough = most = math.inf
         pictures: list[Picture] = []
-        for curve, picture in sorted(
-            zip(self.curves, first, strict=True), key=lambda pair: pair[1].cost("bytes")
-        ):
+        hopeless: list[Rival] = []
+        for number in np.argsort(planned, kind="stable"):
+            curve, index = self.curves[number], first[number]
+            if curve.dearer(index, most):
+                # No picture of these channels can win, so none is drawn.
+                hopeless.append(Rival(curve.shading, planned[number]))
+                continue
+            picture = curve.picture(index)
+            enough = min(enough, HOPELESS * picture.cost("bytes"))
             if picture.cost("bytes") <= enough:
                 picture = curve.cheapest(max_error, "bytes", most)
                 most = min(most, picture.cost("bytes") if picture.error <= max_error else math.inf)
@@ -123,7 +131,7 @@ class ErrorCurve:
                     curve = curves[picture.plan.planner.shader.shading]
                     pictures[number] = self._cheapest_refit(curve, picture, max_error)
         pictures.sort(key=lambda picture: (picture.error > max_error, picture.cost("bytes")))
-        return self._adapted(pictures, self.refused)
+        return self._adapted(pictures, self.refused, hopeless)
 
     def for_budget(self, budget: int, unit: str = "bytes") -> Adapted:
         """The picture with the least error that takes no more than a budget; see :func:`adapt`."""
@@ -179,13 +187,16 @@ class ErrorCurve:
                 break
         return best
 
-    def _adapted(self, pictures: list[Picture], refused: dict[str, QuadshadeError]) -> Adapted:
-        """The first picture, and what is known of the second."""
+    def _adapted(
+        self, pictures: list[Picture], refused: dict[str, QuadshadeError], hopeless: Sequence[Rival] = ()
+    ) -> Adapted:
+        """The first picture, and what is known of the second: drawn, or else planned."""
         best = pictures[0].plan.adapted(self.verify)
-        if len(pictures) > 1:
-            other = pictures[1]
-            shading = other.plan.planner.shader.shading
-            return replace(best, rival=Rival(shading, other.plan.bytes, other.error))
+        rivals = [
+            Rival(other.plan.planner.shader.shading, other.plan.bytes, other.error) for other in pictures[1:]
+        ]
+        for rival in (*rivals, *hopeless):
+            return replace(best, rival=rival)
         for kind, reason in refused.items():
             return replace(best, rival=Rival(kind, reason=str(reason)))
         return best

@@ -51,8 +51,8 @@ class Decision:
     square : (n,) float64
       Estimated mean square of the differences, summed over the colours (``rms``).
     gain : function
-      Asked for only where something is divided: (n, 3) float64, words (or their price) saved if edge 0-1, 1-2
-      or 2-0 is split.
+      Asked for only where something is divided: of (m,) int rows (m, 3) float64, words (or their price) saved
+      if edge 0-1, 1-2 or 2-0 is split.
     wanting : (n,) bool
       Triangles that may be divided.
     forced : bool
@@ -63,7 +63,7 @@ class Decision:
     samples: np.ndarray
     largest: np.ndarray
     square: np.ndarray
-    gain: Callable[[], np.ndarray]
+    gain: Callable[[np.ndarray], np.ndarray]
     wanting: np.ndarray
     forced: bool
 
@@ -94,16 +94,17 @@ def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
         chosen = shader.choose(assessed, allowed)
         wanting, largest, square = (chosen.error > allowed) & several, chosen.error + bound, nothing
 
-        def gain() -> np.ndarray:
-            halves = shader.choose_halves(assessed, allowed)
-            return _gain_max(chosen, halves, allowed, shader.orders[-1])
+        def gain(rows: np.ndarray) -> np.ndarray:
+            halves = shader.choose_halves(surface, allowed[rows], rows)
+            return _gain_max(chosen.take(rows), halves, allowed[rows], shader.orders[-1])
 
     else:
         price = goal.price / np.maximum(pixels, 1e-9)
         chosen = shader.choose(assessed, price)
 
-        def gain() -> np.ndarray:
-            return _gain_rms(chosen, shader.choose_halves(assessed, 2 * price), pixels, goal.price)
+        def gain(rows: np.ndarray) -> np.ndarray:
+            halves = shader.choose_halves(surface, 2 * price[rows], rows)
+            return _gain_rms(chosen.take(rows), halves, pixels[rows], goal.price)
 
         wanting, largest, square = several, nothing, chosen.error
     samples = chosen_samples(assessed, chosen.orders)
@@ -136,7 +137,11 @@ def _gain_rms(chosen: Choice, halves: Choice, pixels: np.ndarray, price: float) 
 
 def _marks(surface: Surface, decision: Decision) -> tuple[Edges, np.ndarray]:
     """Edges of the surface, and which of them to split: for each triangle the one that saves most."""
-    edges, gain = shared_edges(surface.projected.vertices), decision.gain()
+    edges = shared_edges(surface.projected.vertices)
+    # Asked are those that may be divided, and their neighbours.
+    near = edges.marked(np.repeat(decision.wanting[:, None], 3, axis=1))[edges.index].any(axis=1)
+    rows, gain = np.flatnonzero(near), np.zeros(edges.index.shape)
+    gain[rows] = decision.gain(rows)
     total = np.bincount(edges.index.ravel(), gain.ravel(), minlength=len(edges))
     # What the neighbour loses counts; what it wins is its own reason to ask for the edge.
     value = gain + np.minimum(total[edges.index] - gain, 0)

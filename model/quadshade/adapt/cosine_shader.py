@@ -13,7 +13,7 @@ from quadshade.adapt.joint_loops import fit_together
 from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions
 from quadshade.adapt.polynomial_loops import FAINT, CosineKind, joint_errors
-from quadshade.adapt.shader import MARGIN, NUM_DIFFERENCES, Choice, Options, Shader
+from quadshade.adapt.shader import NUM_DIFFERENCES, Choice, Options, Shader
 from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import Formats
 from quadshade.scene.project import Projected
@@ -72,9 +72,9 @@ class CosineShader(Shader):
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
-        """See :meth:`Shader.fit`; errors are (n, k), of halves (n, 3, 2, k), of (n, k, channels) options."""
+        """See :meth:`Shader.fit`; errors are (n, k) of (n, k, channels) options."""
         count = len(projected)
-        found = self._chunks(projected, slice(None), lambda part, _: self._halves(part))
+        found = self._chunks(projected, slice(None), lambda part, _: self._steepest(part))
         num_options = LEVELS if self.combinations is None else len(self.combinations)
         # Of a triangle without a pixel everything stays 0.
         found["samples"] = np.zeros((count, len(self.place), len(self.orders), 6))
@@ -104,17 +104,12 @@ class CosineShader(Shader):
                 return self._fitted(part, whole, points, used)
 
             put(rows, self._chunks(self.whole.ordered(root), rows, at_pixels))
-        half, options = found.pop("half"), found["options"]
-        found["halves"] = np.zeros((*half.shape[:3], options.shape[1]))
-        for channel in range(len(self.place)):
-            chosen = options[:, None, None, :, channel]
-            found["halves"] += np.take_along_axis(half[..., channel, :], chosen, axis=-1)
         bounds = self.rounding_bounds(projected, found["samples"][:, :, -1])
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
         bounds[:, len(diffuse) :] *= specular * found.pop("steepest")
         bound = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
-        return Assessed(centres.pixels, bound, found["samples"], found["errors"], found["halves"], options)
+        return Assessed(centres.pixels, bound, found["samples"], found["errors"], found["options"])
 
     def _chunks(
         self,
@@ -129,8 +124,20 @@ class CosineShader(Shader):
             parts.append(work(projected.ordered(rows[chunk]), chunk))
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
+    def _steepest(self, projected: Projected) -> dict[str, np.ndarray]:
+        channels = self._channels(projected, POINTS, np.ones((1, len(POINTS)), dtype=bool))
+        return {"steepest": channels[1].slope.max(axis=-1)}
+
+    def halves(self, projected: Projected, options: np.ndarray) -> np.ndarray:
+        """See :meth:`Shader.halves`; (n, 3, 2, k) sums over the channels."""
+        half = self._chunks(projected, slice(None), lambda part, _: self._halves(part))["half"]
+        errors = np.zeros((*half.shape[:3], options.shape[1]))
+        for channel in range(len(self.place)):
+            errors += np.take_along_axis(half[..., channel, :], options[:, None, None, :, channel], axis=-1)
+        return errors
+
     def _halves(self, projected: Projected) -> dict[str, np.ndarray]:
-        """``half`` (n, 3, 2, channels, orders): what each channel would leave; the ``steepest`` power."""
+        """``half`` (n, 3, 2, channels, orders): what each channel would leave."""
         channels = self._channels(projected, POINTS, np.ones((1, len(POINTS)), dtype=bool))
         half = np.empty((len(projected), 3, 2, len(self.place), len(self.orders)))
         for edge, sides in enumerate(HALVES):
@@ -142,8 +149,7 @@ class CosineShader(Shader):
                         shape = shape_functions(POINTS[points], order)[None]
                         fitted = part.best(shape, None, self.measure, once=True)
                         half[:, edge, side, own, index] = fitted.by(self.measure)
-        margin = MARGIN if self.measure == "max" else 1.0
-        return {"half": half * margin, "steepest": channels[1].slope.max(axis=-1)}
+        return {"half": half * self.margin}
 
     def _channels(
         self, projected: Projected, points: np.ndarray, used: np.ndarray
@@ -216,8 +222,8 @@ class CosineShader(Shader):
         errors = self._joint_errors(
             drawn, options, self.shade(projected, barycentric).transpose(0, 2, 1), used
         )
-        if nodes is not None and self.measure == "max":
-            errors *= MARGIN
+        if nodes is not None:
+            errors *= self.margin
         return {"samples": samples * self.full, "options": options, "errors": errors}
 
     def options_at(
@@ -282,8 +288,8 @@ class CosineShader(Shader):
             self.ambient, self.diffuse, self.specular, self.full,
         )  # fmt: skip
 
-    def _choose(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
-        """The cheapest of (..., k) options of (..., k, channels) orders."""
+    def choose_from(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose_from`."""
         words = self.words(options)
         if self.measure == "max":
             # Of as many words the better; where none is good, the best.
@@ -293,19 +299,14 @@ class CosineShader(Shader):
             score = errors + goal[..., None] * words
         best = score.argmin(axis=-1)[..., None]
         words = np.broadcast_to(words, errors.shape)
+        options = np.broadcast_to(options, (*errors.shape, len(self.place)))
         orders = np.take_along_axis(options, best[..., None], axis=-2)[..., 0, :]
         left, spent = (np.take_along_axis(values, best, axis=-1)[..., 0] for values in (errors, words))
         return Choice(orders, left, spent)
 
     def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose`."""
-        return self._choose(assessed.errors, assessed.options, goal)
-
-    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
-        """See :meth:`Shader.choose_halves`."""
-        halves = assessed.halves
-        options = np.broadcast_to(assessed.options[:, None, None], (*halves.shape, len(self.place)))
-        return self._choose(halves, options, np.broadcast_to(goal[:, None, None], halves.shape[:3]))
+        return self.choose_from(assessed.errors, assessed.options, goal)
 
 
 class LightShader(CosineShader):

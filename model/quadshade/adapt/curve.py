@@ -107,6 +107,10 @@ class Curve:
         """What the picture for a limit takes at least; 0 for a price."""
         return self.planner.least_bytes(float(self.steps[index])) if self.planner.measure == "max" else 0
 
+    def dearer(self, first: int, most: float) -> bool:
+        """Whether every picture that :meth:`cheapest` would draw from an index takes more than so many bytes."""
+        return all(self.least_bytes(index) > most for index in range(max(first - MISSES, 0), first + 1))
+
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""
         if index not in self._known:

@@ -32,8 +32,6 @@ class Assessed:
       The best polynomial of each order.
     errors : (n, ...) float64
       What each order, or each of the options, leaves; by the shader's measure, output units (squared).
-    halves : (n, 3, 2, ...) float64
-      The same for the halves, if edge 0-1, 1-2 or 2-0 is split.
     options : (n, k, channels) int64
       Combinations of orders that are judged together; none where channels need not know of each other.
     """
@@ -42,7 +40,6 @@ class Assessed:
     bound: np.ndarray
     samples: np.ndarray
     errors: np.ndarray
-    halves: np.ndarray
     options: np.ndarray
 
     def take(self, rows: np.ndarray) -> Assessed:
@@ -81,6 +78,7 @@ class PartMemory:
         self._assess, self._most = assess, most
         self._numbers = PairNumbers()
         self._store: Assessed | None = None
+        self._halves, self._halved = np.empty((0, 3, 2, 0)), np.empty(0, dtype=bool)
         self._forgotten = 0
 
     def assessed(
@@ -106,6 +104,7 @@ class PartMemory:
         if len(self._numbers) + len(root) > self._most:
             self._forgotten += len(self._numbers)
             self._numbers, self._store = PairNumbers(), None
+            self._halves, self._halved = self._halves[:0], self._halved[:0]
         known = len(self._numbers)
         part = self._numbers.numbers(parent, child)
         new, first = np.unique(part, return_index=True)
@@ -118,3 +117,35 @@ class PartMemory:
             store.put(slice(known, len(self._numbers)), made)
             self._store = store
         return self._store.take(part), part + self._forgotten
+
+    def halves(self, part: np.ndarray, make: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """
+        What is known of triangles' halves.
+
+        Parameters
+        ----------
+        part : (n,) int64
+          Numbers from :meth:`assessed`, all different.
+        make : function
+          Finds it out, (m, 3, 2, ...) float64, for the rows (m,) int64 of ``part`` that are asked for first.
+
+        Returns
+        -------
+        (n, 3, 2, ...) float64
+        """
+        place = part - self._forgotten
+        if (place < 0).any():
+            return make(np.arange(len(part)))
+        if len(self._halved) < len(self._numbers):
+            more = np.zeros(2 * len(self._numbers) - len(self._halved), dtype=bool)
+            self._halved = np.concatenate([self._halved, more])
+        new = np.flatnonzero(~self._halved[place])
+        if len(new):
+            made = make(new)
+            if len(self._halves) < len(self._halved):
+                grown = np.empty((len(self._halved), *made.shape[1:]))
+                if len(self._halves):
+                    grown[: len(self._halves)] = self._halves
+                self._halves = grown
+            self._halves[place[new]], self._halved[place[new]] = made, True
+        return self._halves[place]

@@ -38,8 +38,9 @@ class Rival(NamedTuple):
     ----------
     shading : str
     bytes : int or None
+      Of its picture; where no picture of that kind could win, of its plan.
     error : float or None
-      As of :class:`Adapted`.
+      As of :class:`Adapted`, where it was drawn.
     reason : str
       Why there is no picture of that kind; empty where there is one.
     """

@@ -67,6 +67,10 @@ class Choice:
     error: np.ndarray
     words: np.ndarray
 
+    def take(self, rows: np.ndarray) -> Choice:
+        """Some of the triangles, by (m,) int rows."""
+        return Choice(self.orders[rows], self.error[rows], self.words[rows])
+
 
 @dataclass(frozen=True)
 class Options:
@@ -103,6 +107,7 @@ class Shader:
         place: Sequence[int],
     ) -> None:
         self.measure, self.whole = measure, projected
+        self.margin = MARGIN if measure == "max" else 1.0
         self.memory = PartMemory(self.assess)
         self.formats = Formats() if formats is None else formats
         self.material = Material() if material is None else material
@@ -173,8 +178,22 @@ class Shader:
         """
         raise NotImplementedError
 
-    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
-        """As :meth:`choose` for (n, 3, 2) halves, if edge 0-1, 1-2 or 2-0 is split."""
+    def choose_halves(self, surface: Surface, goal: np.ndarray, rows: np.ndarray) -> Choice:
+        """As :meth:`choose` for (m, 3, 2) halves of (m,) int rows, if edge 0-1, 1-2 or 2-0 is split."""
+        halves = self.memory.halves(
+            surface.part[rows],
+            lambda new: self.halves(
+                surface.projected.ordered(rows[new]), surface.assessed.options[rows[new]]
+            ),
+        )
+        return self.choose_from(halves, surface.assessed.options[rows, None, None], goal[:, None, None])
+
+    def halves(self, projected: Projected, options: np.ndarray) -> np.ndarray:
+        """(n, 3, 2, ...) what ``Assessed.errors`` would be of halves, from samples of the whole."""
+        raise NotImplementedError
+
+    def choose_from(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
+        """The cheapest orders over any leading axes, those of the goal (1 where it is the same)."""
         raise NotImplementedError
 
     def shade(self, projected: Projected, points: np.ndarray) -> np.ndarray:
@@ -258,13 +277,11 @@ class ColourShader(Shader):
         super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
-        """See :meth:`Shader.fit`; errors are (n, 3, orders), of halves (n, 3, 2, 3, orders)."""
+        """See :meth:`Shader.fit`; errors are (n, 3, orders)."""
         values = self.shade(projected, POINTS)
         fits = [self._fitted(values, order) for order in self.orders]
         samples = np.stack([one.samples for one in fits], axis=2)
-        halves = np.stack([split_errors(values, order, self.measure) for order in self.orders], axis=-1)
-        margin = MARGIN if self.measure == "max" else 1.0
-        errors = np.stack([one.by(self.measure) for one in fits], axis=2) * margin
+        errors = np.stack([one.by(self.measure) for one in fits], axis=2) * self.margin
         for rows, points, whole, used in centres.groups():
             values = self.shade(self.whole.ordered(root[rows]), whole)
             for index, order in enumerate(self.orders):
@@ -272,7 +289,7 @@ class ColourShader(Shader):
                 samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
         bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
         no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
-        return Assessed(centres.pixels, bound, samples, errors, halves * margin, no_options)
+        return Assessed(centres.pixels, bound, samples, errors, no_options)
 
     def _fitted(self, values: np.ndarray, order: int) -> Fit:
         """The best polynomial at the grid's points."""
@@ -300,7 +317,14 @@ class ColourShader(Shader):
             errors[:, channel, orders].max(axis=2),
         )
 
-    def _choose(self, errors: np.ndarray, goal: np.ndarray) -> Choice:
+    def halves(self, projected: Projected, options: np.ndarray) -> np.ndarray:
+        """See :meth:`Shader.halves`; (n, 3, 2, 3, orders)."""
+        values = self.shade(projected, POINTS)
+        errors = [split_errors(values, order, self.measure) for order in self.orders]
+        return np.stack(errors, axis=-1) * self.margin
+
+    def choose_from(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
+        """See :meth:`Shader.choose_from`."""
         if self.measure == "max":
             good = errors <= goal[..., None, None]
             good[..., -1] = True
@@ -318,11 +342,7 @@ class ColourShader(Shader):
     def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
         """See :meth:`Shader.choose`."""
         errors = assessed.errors
-        return self._of(self.free_orders(self._choose(errors, goal).orders), errors)
-
-    def choose_halves(self, assessed: Assessed, goal: np.ndarray) -> Choice:
-        """See :meth:`Shader.choose_halves`."""
-        return self._choose(assessed.halves, goal[:, None, None])
+        return self._of(self.free_orders(self.choose_from(errors, assessed.options, goal).orders), errors)
 
 
 def chosen_samples(assessed: Assessed, orders: np.ndarray) -> np.ndarray:
