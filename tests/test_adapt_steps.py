@@ -117,7 +117,7 @@ def test_parts_are_assessed_once_and_forgotten_when_they_are_many() -> None:
         asked.append(len(root))
         values = projected.vertices.sum(axis=(1, 2)).astype(float)
         none = np.zeros((len(root), 0, 3), dtype=np.int64)
-        return Assessed(values, values, values[:, None], values, none)
+        return Assessed(values, values, none[:, :, 0], values[:, None], values, none)
 
     memory, root = PartMemory(assess, most=len(whole) + 5), np.arange(len(whole))
     undivided = np.full(len(whole), WHOLE)

@@ -104,12 +104,12 @@ class CosineShader(Shader):
                 return self._fitted(part, whole, points, used)
 
             put(rows, self._chunks(self.whole.ordered(root), rows, at_pixels))
-        bounds = self.rounding_bounds(projected, found["samples"][:, :, -1])
+        bounds, packets = self.set_up(projected, found["samples"][:, :, -1])
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
         bounds[:, len(diffuse) :] *= specular * found.pop("steepest")
         bound = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
-        return Assessed(centres.pixels, bound, found["samples"], found["errors"], found["options"])
+        return Assessed(centres.pixels, bound, packets, found["samples"], found["errors"], found["options"])
 
     def _chunks(
         self,

@@ -10,6 +10,7 @@ import numpy as np
 
 from quadshade.choices import MAX_ERROR
 from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
 from quadshade.scene.project import Projected
@@ -76,9 +77,14 @@ def error_figures(errors: np.ndarray, allowed: float = np.inf) -> ErrorFigures:
     return ErrorFigures(float(errors.max()), float(np.sqrt((errors**2).mean())), float(over))
 
 
-def state_bytes(triangles: ScreenTriangles) -> int:
+def shade_bytes(state: ShadeState | None) -> int:
     """Bytes of the shade unit's state: colours and power tables."""
-    return 0 if triangles.shade is None else 4 * len(triangles.shade.writes())
+    return 0 if state is None else 4 * len(state.writes())
+
+
+def state_bytes(triangles: ScreenTriangles) -> int:
+    """Bytes of the shade unit's state that triangles are drawn with."""
+    return shade_bytes(triangles.shade)
 
 
 def stream_bytes(triangles: ScreenTriangles, formats: Formats) -> int:

@@ -28,6 +28,9 @@ class Assessed:
       How many each triangle has.
     bound : (n,) float64
       What rounding the words of the highest order costs at most, in output units, from the set-up.
+    packets : (n, 2) int64
+      How many it takes to draw each, and how many of these have a second edge; negative where the words of
+      the highest order are so coarse that the set-up divides it.
     samples : (n, channels, orders, 6) float64
       The best polynomial of each order.
     errors : (n, ...) float64
@@ -38,6 +41,7 @@ class Assessed:
 
     pixels: np.ndarray
     bound: np.ndarray
+    packets: np.ndarray
     samples: np.ndarray
     errors: np.ndarray
     options: np.ndarray

@@ -19,8 +19,6 @@ from quadshade.contract.formats import ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
-from quadshade.setup.packet import packet_words
-from quadshade.setup.triangle_setup import setup_triangles
 
 LineCount = Callable[[ScreenTriangles, Formats], int]
 """Bytes on the serial line, of triangles for a core."""
@@ -122,34 +120,6 @@ class Adapted:
         }
 
 
-@dataclass(frozen=True)
-class Undivided:
-    """
-    Bytes of an undivided mesh.
-
-    Attributes
-    ----------
-    shader : Shader
-    packets : (n,) int64
-      Of each triangle.
-    words : int
-      Of all packets, every channel constant.
-    state : int
-      Bytes of the shade unit's state.
-    """
-
-    shader: Shader
-    packets: np.ndarray
-    words: int
-    state: int
-
-    def bytes(self, orders: np.ndarray) -> int:
-        """What (n, channels) orders take."""
-        constant = self.shader.words(np.zeros(orders.shape[1], int))
-        more = (self.shader.words(orders) - constant) @ self.packets
-        return 4 * (self.words + int(np.rint(more))) + self.state
-
-
 class Planner:
     """
     One mesh and one kind of channels, planned for one goal after another.
@@ -205,24 +175,20 @@ class Planner:
         """What the plan for a largest error takes at least: undivided, which is cheaper than divided."""
         goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
         orders = choose_orders(self.whole, self.shader, goal).orders
-        return self._undivided.bytes(orders)
+        return self.bytes_of(self.whole, orders) or 0
 
-    @cached_property
-    def _undivided(self) -> Undivided:
-        """What the packets of the undivided mesh take, for any orders."""
-        samples = np.zeros((len(self.whole.root), len(self.shader.place), 6))
-        triangles = self.shader.screen_triangles(
-            self.whole.projected, samples, np.zeros(samples.shape[:2], int)
-        )
-        primitives = setup_triangles(triangles, self.shader.formats)
-        count = len(triangles)
-        words = packet_words(primitives.orders, primitives.header["has_second"], self.shader.formats)
-        return Undivided(
-            self.shader,
-            np.bincount(primitives.triangle, minlength=count),
-            int(words.sum()),
-            state_bytes(triangles),
-        )
+    def bytes_of(self, surface: Surface, orders: np.ndarray) -> int | None:
+        """
+        What (n, channels) orders take on a surface, from what is known of its parts' packets.
+
+        None where a part's words may be so coarse that the set-up divides it.
+        """
+        packets = surface.assessed.packets
+        if (packets < 0).any():
+            return None
+        one_edge = self.shader.second_words * (packets[:, 0] - packets[:, 1]).sum()
+        words = self.shader.words(orders) @ packets[:, 0] - one_edge
+        return 4 * int(np.rint(words)) + self.shader.state_bytes
 
     def for_limit(self, max_error: float, verify: bool) -> Plan:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
@@ -337,7 +303,8 @@ class Plan:
     @cached_property
     def bytes(self) -> int:
         """What the set-up stream and the shade unit's state take."""
-        return stream_bytes(self.triangles, self.planner.shader.formats)
+        known = self.planner.bytes_of(self.surface, self.decision.orders)
+        return stream_bytes(self.triangles, self.planner.shader.formats) if known is None else known
 
     @cached_property
     def line(self) -> int:

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 
+from quadshade.adapt.costs import shade_bytes
 from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
 from quadshade.adapt.polynomial_fit import ORDERS, POINTS, Fit, better_fit, fit, fit_at, split_errors
 from quadshade.adapt.small_triangles import PixelCentres, pixel_centres
+from quadshade.choices import MAX_ERROR
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
@@ -120,10 +123,16 @@ class Shader:
         self.difference_words = share[self.place]
         beats = self.formats.section_beats("edge") + self.formats.section_beats("second")
         self.packet_words = beats * self.formats.beat_words
+        self.second_words = self.formats.section_beats("second") * self.formats.beat_words
         unused = np.delete(share[: self.formats.num_channels], self.place)
         self.packet_words += NUM_DIFFERENCES[CONSTANT] * unused.sum()
         if self.formats.with_depth:
             self.packet_words += NUM_DIFFERENCES[LINEAR] * share[-1]
+
+    @cached_property
+    def state_bytes(self) -> int:
+        """Of the shade unit's state."""
+        return shade_bytes(self.state)
 
     def surface(self, projected: Projected) -> Surface:
         """An undivided mesh, shaded and fitted."""
@@ -240,13 +249,28 @@ class Shader:
         """(...) float64 words of packets with a middle vertex, for (..., channels) orders."""
         return self.packet_words + NUM_DIFFERENCES[orders] @ self.difference_words
 
-    def rounding_bounds(self, projected: Projected, samples: np.ndarray) -> np.ndarray:
-        """(n, channels) float64 the set-up's own bound of what rounding the highest order's words costs."""
+    def set_up(self, projected: Projected, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """
+        What the set-up says of the highest order.
+
+        Returns
+        -------
+        (n, channels) float64
+          Its own bound of what rounding the words costs.
+        (n, 2) int64
+          See :attr:`Assessed.packets`.
+        """
         top = np.full(samples.shape[:2], self.orders[-1])
         primitives = setup_triangles(self.screen_triangles(projected, samples, top), self.formats)
         bounds = np.zeros(top.shape)
         np.maximum.at(bounds, primitives.triangle, primitives.bound[:, self.place])
-        return bounds
+        second = primitives.header["has_second"]
+        packets = np.stack(
+            [np.bincount(primitives.triangle[rows], minlength=len(top)) for rows in (second >= 0, second > 0)],
+            axis=1,
+        )
+        packets[(bounds > MAX_ERROR).any(axis=1)] = -1
+        return bounds, packets
 
 
 class ColourShader(Shader):
@@ -287,9 +311,9 @@ class ColourShader(Shader):
             for index, order in enumerate(self.orders):
                 one = fit_at(points, used, values, order, self.full, self.measure)
                 samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
-        bound = self.rounding_bounds(projected, samples[:, :, -1]).max(axis=1, initial=0)
+        bounds, packets = self.set_up(projected, samples[:, :, -1])
         no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
-        return Assessed(centres.pixels, bound, samples, errors, no_options)
+        return Assessed(centres.pixels, bounds.max(axis=1, initial=0), packets, samples, errors, no_options)
 
     def _fitted(self, values: np.ndarray, order: int) -> Fit:
         """The best polynomial at the grid's points."""
