@@ -105,17 +105,15 @@ class ErrorCurve:
         if max_error == math.inf:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
         first = [curve.first_within(max_error) for curve in self.curves]
-        planned = [
-            curve.plan(index).cost("bytes") for curve, index in zip(self.curves, first, strict=True)
-        ]
+        least = [curve.least_bytes(index) for curve, index in zip(self.curves, first, strict=True)]
         enough = most = math.inf
         pictures: list[Picture] = []
         hopeless: list[Rival] = []
-        for number in np.argsort(planned, kind="stable"):
+        for number in np.argsort(least, kind="stable"):
             curve, index = self.curves[number], first[number]
             if curve.dearer(index, most):
                 # No picture of these channels can win, so none is drawn.
-                hopeless.append(Rival(curve.shading, planned[number]))
+                hopeless.append(Rival(curve.shading, least[number]))
                 continue
             picture = curve.picture(index)
             enough = min(enough, HOPELESS * picture.cost("bytes"))
@@ -190,7 +188,7 @@ class ErrorCurve:
     def _adapted(
         self, pictures: list[Picture], refused: dict[str, QuadshadeError], hopeless: Sequence[Rival] = ()
     ) -> Adapted:
-        """The first picture, and what is known of the second: drawn, or else planned."""
+        """The first picture, and what is known of the second."""
         best = pictures[0].plan.adapted(self.verify)
         rivals = [
             Rival(other.plan.planner.shader.shading, other.plan.bytes, other.error) for other in pictures[1:]

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.adapt.polynomial_fit import EQUALISING, Fit
-from quadshade.adapt.polynomial_loops import CosineKind, best_cosines
+from quadshade.adapt.polynomial_fit import EQUALISING, HALF_COUNTS, HALF_POINTS, SHAPES, Fit
+from quadshade.adapt.polynomial_loops import CosineKind, best_cosines, half_cosines
 
 DARK = 0.02
 """Weight of a point in the dark, where a diffuse cosine only has to be negative."""
@@ -41,19 +40,15 @@ class CosineChannel:
         """(n, lights, p) see :func:`quadshade.adapt.polynomial_loops.best_cosines`."""
         raise NotImplementedError
 
-    def kind(self, measure: str, once: bool = False) -> CosineKind:
+    def kind(self, measure: str) -> CosineKind:
         """How the loops measure it."""
-        return CosineKind(False, 1.0, 1, measure == "max", SECANTS, EQUALISING, once)
-
-    def at(self, points: np.ndarray) -> CosineChannel:
-        """At some of the points."""
-        return _at(self, points)
+        return CosineKind(False, 1.0, 1, measure == "max", SECANTS, EQUALISING)
 
     def levels(self, measure: str) -> np.ndarray | None:
         """(n, lights, 1) the best constant, where it is not the nearest one."""
         return None
 
-    def best(self, shape: np.ndarray, through: np.ndarray | None, measure: str, once: bool = False) -> Fit:
+    def best(self, shape: np.ndarray, through: np.ndarray | None, measure: str) -> Fit:
         """
         The best of several polynomials of one order.
 
@@ -63,19 +58,27 @@ class CosineChannel:
         through : (n, lights, m) float or None
           Samples of the one that is not fitted.
         measure : str
-        once : bool
-          Only that which is nearest by the weights.
         """
-        others = [through, self.levels(measure) if shape.shape[-1] == 1 and not once else None]
+        others = [through, self.levels(measure) if shape.shape[-1] == 1 else None]
         given = [samples for samples in others if samples is not None]
         tried = np.stack(given) if given else np.empty((0, *self.value.shape[:2], shape.shape[-1]))
         arrays = self.value, self.weight, self.used, self.extra
         value, weight, used, extra = (np.ascontiguousarray(values) for values in arrays)
         fitted = best_cosines(
-            self.kind(measure, once), np.ascontiguousarray(shape), value, weight, used,
+            self.kind(measure), np.ascontiguousarray(shape), value, weight, used,
             extra.astype(np.float64), np.ascontiguousarray(self.scale[:, 0]), tried,
         )  # fmt: skip
         return Fit(*fitted)
+
+    def halves(self, order: int, measure: str) -> np.ndarray:
+        """(n, 3, 2, lights) what polynomials nearest by the weights leave of the grid's halves."""
+        arrays = self.value, self.weight, self.used, self.extra
+        value, weight, used, extra = (np.ascontiguousarray(values) for values in arrays)
+        left = half_cosines(
+            self.kind(measure), SHAPES[order], value, weight, used, extra.astype(np.float64),
+            np.ascontiguousarray(self.scale[:, 0]), HALF_POINTS, HALF_COUNTS,
+        )  # fmt: skip
+        return left[measure != "max"].reshape(len(value), 3, 2, -1)
 
 
 @dataclass(frozen=True)
@@ -95,10 +98,6 @@ class Diffuse(CosineChannel):
     def extra(self) -> np.ndarray:
         """See :attr:`CosineChannel.extra`."""
         return self.shine
-
-    def at(self, points: np.ndarray) -> Diffuse:
-        """At some of the points."""
-        return _at(replace(self, shine=self.shine[..., points]), points)
 
 
 @dataclass(frozen=True)
@@ -129,10 +128,10 @@ class Specular(CosineChannel):
         """See :attr:`CosineChannel.extra`."""
         return self.lit
 
-    def kind(self, measure: str, once: bool = False) -> CosineKind:
+    def kind(self, measure: str) -> CosineKind:
         """See :meth:`CosineChannel.kind`."""
         whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
-        return CosineKind(True, self.exponent, whole, measure == "max", SECANTS, EQUALISING, once)
+        return CosineKind(True, self.exponent, whole, measure == "max", SECANTS, EQUALISING)
 
     def levels(self, measure: str) -> np.ndarray:
         """See :meth:`CosineChannel.levels`."""
@@ -144,19 +143,3 @@ class Specular(CosineChannel):
             total = counts.sum(axis=-1, keepdims=True)
             level = np.where(counts, shine, 0).sum(axis=-1, keepdims=True) / np.maximum(total, 1)
         return level ** (1 / self.exponent)
-
-    def at(self, points: np.ndarray) -> Specular:
-        """At some of the points."""
-        return _at(replace(self, lit=self.lit[..., points]), points)
-
-
-Channel = TypeVar("Channel", bound=CosineChannel)
-
-
-def _at(channel: Channel, points: np.ndarray) -> Channel:
-    return replace(
-        channel,
-        value=channel.value[..., points],
-        weight=channel.weight[..., points],
-        used=channel.used[..., points],
-    )

@@ -11,7 +11,7 @@ import numpy as np
 from quadshade.adapt.cosine_fit import DARK, Diffuse, Specular
 from quadshade.adapt.joint_loops import fit_together
 from quadshade.adapt.part_memory import Assessed
-from quadshade.adapt.polynomial_fit import HALVES, NODES, POINTS, Fit, shape_functions
+from quadshade.adapt.polynomial_fit import NODES, POINTS, Fit, shape_functions
 from quadshade.adapt.polynomial_loops import FAINT, CosineKind, joint_errors
 from quadshade.adapt.shader import NUM_DIFFERENCES, Choice, Options, Shader
 from quadshade.adapt.small_triangles import PixelCentres
@@ -139,17 +139,8 @@ class CosineShader(Shader):
     def _halves(self, projected: Projected) -> dict[str, np.ndarray]:
         """``half`` (n, 3, 2, channels, orders): what each channel would leave."""
         channels = self._channels(projected, POINTS, np.ones((1, len(POINTS)), dtype=bool))
-        half = np.empty((len(projected), 3, 2, len(self.place), len(self.orders)))
-        for edge, sides in enumerate(HALVES):
-            for side, points in enumerate(sides):
-                for kind, channel in enumerate(channels):
-                    part = channel.at(points)
-                    own = slice(kind * len(self.pointed), (kind + 1) * len(self.pointed))
-                    for index, order in enumerate(self.orders):
-                        shape = shape_functions(POINTS[points], order)[None]
-                        fitted = part.best(shape, None, self.measure, once=True)
-                        half[:, edge, side, own, index] = fitted.by(self.measure)
-        return {"half": half * self.margin}
+        half = [np.stack([one.halves(order, self.measure) for order in self.orders], -1) for one in channels]
+        return {"half": np.concatenate(half, axis=3) * self.margin}
 
     def _channels(
         self, projected: Projected, points: np.ndarray, used: np.ndarray
@@ -264,7 +255,7 @@ class CosineShader(Shader):
     def _kind(self) -> CosineKind:
         """How loops measure the colour."""
         whole = int(self.exponent) if self.exponent == int(self.exponent) else -1
-        return CosineKind(True, float(self.exponent), whole, self.measure == "max", 0, 0, False)
+        return CosineKind(True, float(self.exponent), whole, self.measure == "max", 0, 0)
 
     def _options(self, errors: np.ndarray) -> np.ndarray:
         """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""

@@ -36,7 +36,7 @@ class Rival(NamedTuple):
     ----------
     shading : str
     bytes : int or None
-      Of its picture; where no picture of that kind could win, of its plan.
+      Of its picture; at least, where no picture of that kind can win and so none was drawn.
     error : float or None
       As of :class:`Adapted`, where it was drawn.
     reason : str

@@ -197,6 +197,11 @@ def _left_over(shape: np.ndarray) -> np.ndarray:
 
 
 HALVES = _halves()
+HALF_COUNTS = np.array([len(points) for pair in HALVES for points in pair])
+HALF_POINTS = np.zeros((len(HALF_COUNTS), len(POINTS)), dtype=np.int64)
+"""The same as an array, the first ``HALF_COUNTS`` of each row."""
+for _row, _points in zip(HALF_POINTS, [points for pair in HALVES for points in pair], strict=True):
+    _row[: len(_points)] = _points
 LEFT_OVER = [[[_left_over(shape[points]) for points in pair] for pair in HALVES] for shape in SHAPES]
 
 

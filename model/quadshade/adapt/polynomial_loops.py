@@ -102,8 +102,6 @@ class CosineKind(NamedTuple):
       The measure is ``max``, else the mean square.
     secants, equalising : int
       Repetitions.
-    once : bool
-      Only the first weighted fit is tried.
     """
 
     specular: bool
@@ -112,7 +110,6 @@ class CosineKind(NamedTuple):
     largest: bool
     secants: int
     equalising: int
-    once: bool
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -213,8 +210,7 @@ def best_cosines(
             if kind.largest and size > 1:
                 steps += kind.equalising
             reweighted = 2 + len(others) + (kind.secants if kind.specular else 0)
-            first = 1 + len(others) if kind.once else 0
-            for step in range(first, first + 1 if kind.once else steps):
+            for step in range(steps):
                 if 1 <= step <= len(others):
                     for i in range(size):
                         tried[i] = others[step - 1, index, light, i]
@@ -245,12 +241,67 @@ def best_cosines(
                     kind, shape, row, tried, here, lit, raised, mine, full, drawn, rest
                 )
                 score = most_off if kind.largest else mean_square
-                if score < best or step == first:
+                if score < best or step == 0:
                     best = score
                     largest[index, light], square[index, light] = most_off, mean_square
                     for i in range(size):
                         samples[index, light, i] = tried[i]
     return samples, largest, square
+
+
+@njit(cache=True, error_model="numpy")
+def half_cosines(
+    kind: CosineKind,
+    shape: Floats,
+    value: Floats,
+    weight: Floats,
+    used: Bools,
+    extra: Floats,
+    scale: Floats,
+    halves: Ints,
+    counts: Ints,
+) -> tuple[Floats, Floats]:
+    """
+    What the nearest polynomials to parts of the points leave.
+
+    Parameters
+    ----------
+    kind, value, weight, used, extra, scale
+      As for :func:`best_cosines`.
+    shape : (p, m) float64
+    halves : (k, p) int64
+      Points of each part, the first ``counts`` of a row.
+    counts : (k,) int64
+
+    Returns
+    -------
+    largest, square : (n, k, lights) float64
+    """
+    count, lights = value.shape[:2]
+    size = shape.shape[1]
+    largest, square = np.empty((count, len(halves), lights)), np.empty((count, len(halves), lights))
+    matrix, tried = np.empty((size, size)), np.empty(size)
+    for half in range(len(halves)):
+        number = counts[half]
+        part = np.empty((1, number, size))
+        for p in range(number):
+            part[0, p] = shape[halves[half, p]]
+        mine = np.empty(number, np.bool_)
+        here, weights, lit, raised, drawn, rest = np.empty((6, number))
+        for index in range(count):
+            for light in range(lights):
+                for p in range(number):
+                    at = halves[half, p]
+                    here[p], weights[p] = value[index, light, at], weight[index, light, at]
+                    lit[p], mine[p] = extra[index, light, at], used[index, light, at]
+                    raised[p] = 0.0
+                    if kind.specular:
+                        raised[p] = power(min(max(here[p], 0.0), 1.0), kind.exponent, kind.whole)
+                _weighted(part, 0, here, weights, matrix, tried)
+                largest[index, half, light], square[index, half, light] = _measured(
+                    kind, part, 0, tried, here, lit, raised, mine, scale[light], drawn, rest
+                )
+    return largest, square
 
 
 @njit(cache=True, error_model="numpy")
