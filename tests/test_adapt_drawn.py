@@ -6,13 +6,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from quadshade.adapt import CosineShader, LightShader, adapt, pixel_errors, refine
+from quadshade.adapt import CosineShader, LightShader, adapt, phong_pixels, pixel_errors, refine
 from quadshade.adapt.costs import stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import Planner
 from quadshade.adapt.shader import ColourShader, Shader
 from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.scene import Projected, fit_camera, load_scene, parse_camera, project
 from quadshade.shading import Material, specular_formats
@@ -60,6 +61,8 @@ def test_errors_of_parts_are_those_of_what_is_drawn(kind: type[Shader]) -> None:
     planner = Planner(whole, kind(None, SHINY, formats, whole))
     plan = planner.for_limit(2.0, verify=True)
     assert len(plan.surface.root) > len(whole) or kind is CosineShader
+    assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders)
+    assert plan.bytes == stream_bytes(plan.triangles, formats)
     errors = plan.drawn()
     pixels = draw(plan.triangles, formats).pixels
     off = pixel_errors(pixels, plan.surface.root, whole, planner.shader.lights, SHINY, formats)
@@ -111,10 +114,57 @@ def test_pairs_keep_their_numbers() -> None:
         assert len(table) == len(known)
 
 
+def test_bytes_are_those_of_the_stream_where_the_set_up_divides() -> None:
+    formats, whole = Formats(frac_bits=7), looked_at("torus:288", 512)
+    planner = Planner(whole, ColourShader(None, SHINY, formats, whole))
+    plan = planner.first_for_limit(6.0)
+    assert planner.bytes_of(plan.surface, plan.decision.orders) is None
+    assert plan.bytes == stream_bytes(plan.triangles, formats)
+
+
+@pytest.mark.parametrize("scene", ["sphere:374", "sphere:690"])
+def test_work_is_done_once_and_only_where_it_can_win(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Counts, not times: pixels shaded once, one kind of channels drawn, halves of few triangles judged."""
+    whole = looked_at(scene, 512)
+    shaded: list[int] = []
+    drawn: dict[Formats, list[int]] = {}
+    halves: list[int] = []
+    shade_all, errors = phong_pixels._shade_all, PhongPixels.errors
+
+    def shading(pixels: phong_pixels.MeshPixels, *others: object) -> None:
+        shaded.append(len(pixels.light))
+        shade_all(pixels, *others)
+
+    def drawing(
+        self: PhongPixels, triangles: ScreenTriangles, root: np.ndarray, formats: Formats
+    ) -> np.ndarray:
+        drawn.setdefault(formats, []).append(len(triangles))
+        return errors(self, triangles, root, formats)
+
+    def judging(self: Shader, projected: Projected, options: np.ndarray) -> np.ndarray:
+        halves.append(len(projected))
+        return judge[type(self)](self, projected, options)
+
+    judge = {kind: kind.halves for kind in (ColourShader, CosineShader, LightShader)}
+    for kind in judge:
+        monkeypatch.setattr(kind, "halves", judging)
+    monkeypatch.setattr(phong_pixels, "_shade_all", shading)
+    monkeypatch.setattr(PhongPixels, "errors", drawing)
+    adapted = adapt(whole, None, SHINY, max_error=4.0, shading="auto")
+    assert adapted.rival is not None and adapted.rival.error is None
+    assert len(shaded) == 1 and shaded[0] > 1000
+    assert list(drawn) == [adapted.formats]
+    (counts,) = drawn.values()
+    # The whole once; after that what other limits change.
+    assert counts[0] >= len(whole) and sum(counts) < 1.5 * len(whole) and len(counts) <= 6
+    assert sum(halves) < 0.3 * len(whole)
+
+
 FORMER = {
     ("sphere:168", 16.0): 4748, ("sphere:168", 8.0): 5320, ("sphere:168", 4.0): 6848,
-    ("sphere:168", 2.0): 7244, ("sphere:168", 1.0): 7804, ("torus:288", 8.0): 13468,
-    ("torus:288", 4.0): 14236, ("sphere:690", 4.0): 18552,
+    ("sphere:168", 2.0): 7244, ("sphere:168", 1.0): 7804, ("sphere:168", 0.7): 11564,
+    ("torus:288", 8.0): 13468, ("torus:288", 4.0): 14236, ("torus:288", 1.0): 31936,
+    ("sphere:690", 4.0): 18552,
 }  # fmt: skip
 """Bytes of the choice before planning was compiled, at 512 x 512 pixels."""
 

@@ -39,11 +39,14 @@ def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
         other["shading"] in ("quadratic", "quadratic-lights")
         and other["bytes"] > found["bytes"] > found["state_bytes"] > 0
     )
-    lines = [line.split(maxsplit=1) for line in output.splitlines()[1:6]]
-    assert [label for label, _ in lines] == ["channels", "bytes", "triangles", "divided", "error"]
+    # Under load a line of progress may come before them.
+    labels = ["channels", "bytes", "triangles", "divided", "error"]
+    lines = [line.split(maxsplit=1) for line in output.splitlines() if line.startswith("  ")]
+    assert [label for label, _ in lines if label in labels] == labels
     said = dict(lines)
     assert said["channels"] == "quadratic-specular"
-    assert said["bytes"] == f"{found['bytes']} (as {other['shading']} {other['bytes']})"
+    least = "at least " if other["error"] is None else ""
+    assert said["bytes"] == f"{found['bytes']} (as {other['shading']} {least}{other['bytes']})"
     assert said["triangles"].startswith(f"{found['triangles']} sent: ")
     assert said["error"].startswith(f"largest {found['measured_max']:.2f}, rms ")
 

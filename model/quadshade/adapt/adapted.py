@@ -105,13 +105,13 @@ class ErrorCurve:
         if max_error == math.inf:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
         first = [curve.first_within(max_error) for curve in self.curves]
-        least = [curve.least_bytes(index) for curve, index in zip(self.curves, first, strict=True)]
+        least = [curve.floor(index) for curve, index in zip(self.curves, first, strict=True)]
         enough = most = math.inf
         pictures: list[Picture] = []
         hopeless: list[Rival] = []
         for number in np.argsort(least, kind="stable"):
             curve, index = self.curves[number], first[number]
-            if curve.dearer(index, most):
+            if least[number] > most:
                 # No picture of these channels can win, so none is drawn.
                 hopeless.append(Rival(curve.shading, least[number]))
                 continue

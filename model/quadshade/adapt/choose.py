@@ -31,10 +31,14 @@ class Goal:
       ``max``).
     price : float
       Squared output units, summed over pixels and channels, that one word is worth (measure ``rms``).
+    agree : float
+      An edge that saves less than another by no more than this share is split instead where more of its
+      triangles have to be divided. 0: always the edge that saves most.
     """
 
     allowed: np.ndarray
     price: float = 0.0
+    agree: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,8 @@ class Decision:
       Triangles that may be divided.
     forced : bool
       They have to be, whatever it costs.
+    agree : float
+      See :class:`Goal`.
     """
 
     orders: np.ndarray
@@ -66,6 +72,7 @@ class Decision:
     gain: Callable[[np.ndarray], np.ndarray]
     wanting: np.ndarray
     forced: bool
+    agree: float = 0.0
 
 
 def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
@@ -108,7 +115,8 @@ def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
 
         wanting, largest, square = several, nothing, chosen.error
     samples = chosen_samples(assessed, chosen.orders)
-    return Decision(chosen.orders, samples, largest, square, gain, wanting, shader.measure == "max")
+    forced = shader.measure == "max"
+    return Decision(chosen.orders, samples, largest, square, gain, wanting, forced, goal.agree)
 
 
 def _foreseen(choice: Choice, allowed: np.ndarray, order: int) -> np.ndarray:
@@ -149,6 +157,11 @@ def _marks(surface: Surface, decision: Decision) -> tuple[Edges, np.ndarray]:
     length = np.linalg.norm(edges.ends[:, 1] - edges.ends[:, 0], axis=1)[edges.index]
     value[length < SHORT * length.max(axis=1, keepdims=True)] = -np.inf
     best = value.argmax(axis=1)
+    if decision.agree:
+        most = value.max(axis=1, keepdims=True)
+        asked = np.bincount(edges.index[decision.wanting].ravel(), minlength=len(edges))[edges.index]
+        as_good = value >= most - decision.agree * np.maximum(abs(most), 1)
+        best = np.where(as_good, asked * 4 * length.max(initial=0) + length, -1).argmax(axis=1)
     rows = np.arange(len(best))
     marks = np.zeros(len(edges), dtype=bool)
     marks[edges.index[rows, best][decision.wanting & (decision.forced | (value[rows, best] > 0))]] = True

@@ -90,6 +90,7 @@ class Curve:
             self.steps = np.geomspace(HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS)
         self._plans: dict[int, Plan] = {}
         self._known: dict[int, Picture] = {}
+        self._others: dict[int, Picture] = {}
 
     def __len__(self) -> int:
         return len(self.steps)
@@ -107,9 +108,9 @@ class Curve:
         """What the picture for a limit takes at least; 0 for a price."""
         return self.planner.least_bytes(float(self.steps[index])) if self.planner.measure == "max" else 0
 
-    def dearer(self, first: int, most: float) -> bool:
-        """Whether every picture that :meth:`cheapest` would draw from an index takes more than so many bytes."""
-        return all(self.least_bytes(index) > most for index in range(max(first - MISSES, 0), first + 1))
+    def floor(self, first: int) -> int:
+        """Bytes that :meth:`cheapest` takes at least from an index: what takes more is passed over there."""
+        return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""
@@ -119,6 +120,16 @@ class Curve:
                 plan = self.planner.mended(plan, float(self.steps[index]), self.verify)
             self._known[index] = Picture(plan, plan.error(self.verify))
         return self._known[index]
+
+    def pictures(self, index: int) -> list[Picture]:
+        """The picture for a limit, and where much is divided another, planned the other way."""
+        picture = self.picture(index)
+        if not (self.verify and self.planner.measure == "max" and picture.plan.much_divided):
+            return [picture]
+        if index not in self._others:
+            plan = self.planner.other_way(float(self.steps[index]))
+            self._others[index] = Picture(plan, plan.error(True))
+        return [picture, self._others[index]]
 
     def _first(self, good: Callable[[Picture], bool]) -> int:
         """By bisection: the loosest picture that is good, if all that are stricter are; else the last."""
@@ -142,8 +153,9 @@ class Curve:
         tried: list[Picture] = []
         dear = 0
         for index in range(first, min(first + STRICTER, len(self) - 1) + 1):
-            tried.append(self.picture(index))
-            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
+            new = self.pictures(index)
+            tried += new
+            dear = dear + 1 if new[0].cost(unit) > enough else 0
             if dear == MISSES:
                 break
         return tried
@@ -164,22 +176,27 @@ class Curve:
           interest, but for the first.
         """
         first = self.first_within(error)
-        tried = [self.picture(first)]
+        tried: list[Picture] = []
+
+        def add(index: int) -> bool:
+            """Draw; whether a picture keeps the error."""
+            nonlocal most
+            new = self.pictures(index)
+            tried.extend(new)
+            costs = [picture.cost(unit) for picture in new if picture.error <= error]
+            most = min([most, *costs])
+            return bool(costs)
+
+        add(first)
         enough, dear = DEARER * tried[0].cost(unit), 0
-        if tried[0].error <= error:
-            most = min(most, tried[0].cost(unit))
 
         def draw(index: int) -> bool:
             """Whether a picture is drawn, and keeps the error."""
-            nonlocal most
             if unit == "bytes" and self.least_bytes(index) > most:
                 return False
             if self.plan(index).cost(unit) > most:
                 return False
-            tried.append(self.picture(index))
-            good = tried[-1].error <= error
-            most = min(most, tried[-1].cost(unit)) if good else most
-            return good
+            return add(index)
 
         index, missed = first, 0
         while index > 0 and missed < MISSES:
@@ -205,7 +222,8 @@ class Curve:
     def best(self, budget: int, unit: str) -> Picture | None:
         """The picture with the least error that a budget pays for, None where it pays for none."""
         beyond = self._first(lambda picture: picture.cost(unit) > budget)
-        tried = [self.picture(index) for index in {0, *range(max(beyond - LOOSER, 0), beyond)}]
+        looser = sorted({0, *range(max(beyond - LOOSER, 0), beyond)})
+        tried = [picture for index in looser for picture in self.pictures(index)]
         tried += self._stricter(beyond, unit, DEARER * budget)
         paid = [picture for picture in tried if picture.cost(unit) <= budget]
         return min(paid, key=lambda picture: (picture.error, picture.cost(unit))) if paid else None

@@ -26,6 +26,10 @@ LineCount = Callable[[ScreenTriangles, Formats], int]
 COLOURS = 3
 VERIFY_ROUNDS = 8
 TIGHTEN = 0.75
+OTHER_TIGHTEN, OTHER_AGREE = 0.95, 0.05
+"""Of the other way to plan, which is tried where much is divided."""
+MUCH = 1.1
+"""Triangles, over those of the undivided mesh."""
 
 
 class Rival(NamedTuple):
@@ -147,7 +151,9 @@ class Planner:
         self.whole, self.phong = shader.surface(projected), phong
         self._numbers, self._drawn = PairNumbers(), np.empty((0, 3))
 
-    def settled(self, allowed: np.ndarray, price: float, surface: Surface | None = None) -> Plan:
+    def settled(
+        self, allowed: np.ndarray, price: float, surface: Surface | None = None, agree: float = 0.0
+    ) -> Plan:
         """
         Orders chosen and triangles divided, as far as estimates go.
 
@@ -155,13 +161,13 @@ class Planner:
         ----------
         allowed : (roots,) float64
           See :class:`Goal`.
-        price : float
+        price, agree : float
           See :class:`Goal`.
         surface : Surface, optional
           Where to start; by default at the undivided mesh.
         """
         surface = self.whole if surface is None else surface
-        return Plan(self, *settle(surface, self.shader, Goal(allowed, price)))
+        return Plan(self, *settle(surface, self.shader, Goal(allowed, price, agree)))
 
     def everywhere(self, value: float) -> np.ndarray:
         """(roots,) float64 the same for every triangle of the undivided mesh."""
@@ -194,7 +200,18 @@ class Planner:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
         return self.mended(self.first_for_limit(max_error), max_error, verify)
 
-    def mended(self, plan: Plan, max_error: float, verify: bool) -> Plan:
+    def other_way(self, max_error: float) -> Plan:
+        """
+        The verified plan for a largest error where neighbours agree on edges and limits are tightened less.
+
+        Planning is greedy: where much is divided it now and then takes fewer bytes.
+        """
+        plan = self.settled(self.everywhere(max_error - OUTPUT_ROUNDING), 0.0, None, OTHER_AGREE)
+        return self.mended(plan, max_error, True, OTHER_TIGHTEN, OTHER_AGREE)
+
+    def mended(
+        self, plan: Plan, max_error: float, verify: bool, tighten: float = TIGHTEN, agree: float = 0.0
+    ) -> Plan:
         """
         A plan for a largest error, drawn and planned again until it keeps it.
 
@@ -206,14 +223,14 @@ class Planner:
             over = np.flatnonzero(plan.drawn().largest > max_error)
             if not len(over):
                 break
-            allowed[np.unique(plan.surface.root[over])] *= TIGHTEN
+            allowed[np.unique(plan.surface.root[over])] *= tighten
             surface = plan.surface
             if attempt:
                 # No sample saw it: what is halved is sampled anew, and by its pixels where it has few.
                 wanting = np.zeros(len(surface.root), dtype=bool)
                 wanting[over] = surface.assessed.pixels[over] > 1
                 surface = divide(surface, replace(plan.decision, wanting=wanting, forced=True), self.shader)
-            plan = self.settled(allowed, 0.0, surface)
+            plan = self.settled(allowed, 0.0, surface, agree)
         return plan
 
     def for_price(self, price: float) -> Plan:
@@ -279,6 +296,11 @@ class Plan:
     def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
         self.planner, self.surface, self.decision = planner, surface, decision
         self.triangles = planner.shader.screen_triangles(surface.projected, decision.samples, decision.orders)
+
+    @property
+    def much_divided(self) -> bool:
+        """Whether another way to divide may be worth its time."""
+        return len(self.surface.root) > MUCH * len(self.planner.whole.root)
 
     def estimated(self) -> float:
         """The error by the plan's measure, the output's rounding included; from samples, so no bound."""

@@ -266,7 +266,10 @@ class Shader:
         np.maximum.at(bounds, primitives.triangle, primitives.bound[:, self.place])
         second = primitives.header["has_second"]
         packets = np.stack(
-            [np.bincount(primitives.triangle[rows], minlength=len(top)) for rows in (second >= 0, second > 0)],
+            [
+                np.bincount(primitives.triangle[rows], minlength=len(top))
+                for rows in (second >= 0, second > 0)
+            ],
             axis=1,
         )
         packets[(bounds > MAX_ERROR).any(axis=1)] = -1
