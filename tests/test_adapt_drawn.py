@@ -157,7 +157,8 @@ def test_work_is_done_once_and_only_where_it_can_win(scene: str, monkeypatch: py
     (counts,) = drawn.values()
     # The whole once; after that what other limits change.
     assert counts[0] >= len(whole) and sum(counts) < 1.5 * len(whole) and len(counts) <= 6
-    assert sum(halves) < 0.3 * len(whole)
+    # Judged for every triangle of all three kinds they would be three times the whole, and more for parts.
+    assert 0 < sum(halves) < 0.6 * len(whole)
 
 
 FORMER = {

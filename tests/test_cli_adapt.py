@@ -45,7 +45,7 @@ def test_error_is_kept_and_the_mix_reported(tmp_path: Path) -> None:
     assert [label for label, _ in lines if label in labels] == labels
     said = dict(lines)
     assert said["channels"] == "quadratic-specular"
-    least = "at least " if other["error"] is None else ""
+    least = "about " if other["error"] is None else ""
     assert said["bytes"] == f"{found['bytes']} (as {other['shading']} {least}{other['bytes']})"
     assert said["triangles"].startswith(f"{found['triangles']} sent: ")
     assert said["error"].startswith(f"largest {found['measured_max']:.2f}, rms ")

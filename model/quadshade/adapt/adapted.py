@@ -105,15 +105,15 @@ class ErrorCurve:
         if max_error == math.inf:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
         first = [curve.first_within(max_error) for curve in self.curves]
-        least = [curve.floor(index) for curve, index in zip(self.curves, first, strict=True)]
+        floors = [curve.floor(index) for curve, index in zip(self.curves, first, strict=True)]
         enough = most = math.inf
         pictures: list[Picture] = []
         hopeless: list[Rival] = []
-        for number in np.argsort(least, kind="stable"):
+        for number in np.argsort(floors, kind="stable"):
             curve, index = self.curves[number], first[number]
-            if least[number] > most:
+            if floors[number] > most:
                 # No picture of these channels can win, so none is drawn.
-                hopeless.append(Rival(curve.shading, least[number]))
+                hopeless.append(Rival(curve.shading, floors[number]))
                 continue
             picture = curve.picture(index)
             enough = min(enough, HOPELESS * picture.cost("bytes"))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quadshade.adapt.cosine_loops import CosineKind, best_cosines, half_cosines
 from quadshade.adapt.polynomial_fit import EQUALISING, HALF_COUNTS, HALF_POINTS, SHAPES, Fit
-from quadshade.adapt.polynomial_loops import CosineKind, best_cosines, half_cosines
 
 DARK = 0.02
 """Weight of a point in the dark, where a diffuse cosine only has to be negative."""
@@ -37,7 +37,7 @@ class CosineChannel:
 
     @property
     def extra(self) -> np.ndarray:
-        """(n, lights, p) see :func:`quadshade.adapt.polynomial_loops.best_cosines`."""
+        """(n, lights, p) see :func:`quadshade.adapt.cosine_loops.best_cosines`."""
         raise NotImplementedError
 
     def kind(self, measure: str) -> CosineKind:

@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 
 from quadshade.adapt.cosine_fit import DARK, Diffuse, Specular
+from quadshade.adapt.cosine_loops import FAINT, CosineKind, joint_errors
 from quadshade.adapt.joint_loops import fit_together
 from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import NODES, POINTS, Fit, shape_functions
-from quadshade.adapt.polynomial_loops import FAINT, CosineKind, joint_errors
 from quadshade.adapt.shader import NUM_DIFFERENCES, Choice, Options, Shader
 from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import Formats

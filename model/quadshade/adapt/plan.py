@@ -40,7 +40,7 @@ class Rival(NamedTuple):
     ----------
     shading : str
     bytes : int or None
-      Of its picture; at least, where no picture of that kind can win and so none was drawn.
+      Of its picture; where none was drawn because it could not win, about, of the undivided plan.
     error : float or None
       As of :class:`Adapted`, where it was drawn.
     reason : str

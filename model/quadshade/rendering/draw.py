@@ -271,7 +271,7 @@ def adapt_note(shaded: Shaded) -> str:
     rival = adapted.rival
     other = ""
     if rival is not None and rival.bytes is not None:
-        other = f" (as {rival.shading} {'at least ' * (rival.error is None)}{rival.bytes})"
+        other = f" (as {rival.shading} {'about ' * (rival.error is None)}{rival.bytes})"
     mix = adapted.mix()
     orders = ", ".join(f"{count} {order}" for order, count in mix["triangles_by_order"].items())
     powers = sum(mix["specular_by_order"].values()) - mix["specular_by_order"]["constant"]
