@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.adapt.polynomial_loops import CosineKind, solve
+from quadshade.adapt.cosine_loops import CosineKind
+from quadshade.adapt.polynomial_loops import solve
 from quadshade.contract.arrays import Bools, Floats, Int, Ints
 from quadshade.shading.phong_loops import power
 
