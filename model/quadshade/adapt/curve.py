@@ -121,10 +121,14 @@ class Curve:
             self._known[index] = Picture(plan, plan.error(self.verify))
         return self._known[index]
 
+    def _has_another(self, plan: Plan) -> bool:
+        """Whether so much is divided that the other way of planning may take less."""
+        return self.verify and self.planner.measure == "max" and plan.much_divided
+
     def pictures(self, index: int) -> list[Picture]:
         """The picture for a limit, and where much is divided another, planned the other way."""
         picture = self.picture(index)
-        if not (self.verify and self.planner.measure == "max" and picture.plan.much_divided):
+        if not self._has_another(picture.plan):
             return [picture]
         if index not in self._others:
             plan = self.planner.other_way(float(self.steps[index]))
@@ -194,7 +198,8 @@ class Curve:
             """Whether a picture is drawn, and keeps the error."""
             if unit == "bytes" and self.least_bytes(index) > most:
                 return False
-            if self.plan(index).cost(unit) > most:
+            plan = self.plan(index)
+            if plan.cost(unit) > most and not self._has_another(plan):
                 return False
             return add(index)
 
