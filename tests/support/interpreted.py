@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 SCENE = ("cube:1", "--size", "20x14", "--camera", "from=1,2,3")
+BALL = ("icosphere:0", "--size", "24x20")
 COMMANDS = {
     "quadratic.png": ("render", *SCENE),
     "gouraud.png": ("render", *SCENE, "--shading", "gouraud"),
@@ -24,12 +25,13 @@ COMMANDS = {
     "phong.png": ("render", *SCENE, "--shading", "phong", "--light", "point=2,2,2"),
     "abbas.png": ("render", *SCENE, "--setup", "abbas"),
     "fit.png": ("render", *SCENE, "--fit", "smooth"),
-    "minimax.png": ("render", "icosphere:0", "--size", "24x20", "--exponent", "50", "--fit", "minimax"),
+    "minimax.png": ("render", *BALL, "--exponent", "50", "--fit", "minimax"),
     "squares.png": ("render", *SCENE, "--fit", "least-squares"),
     "cosines.png": ("render", *SCENE, "--shading", "quadratic-specular", "--fit", "minimax"),
     "c1.png": ("render", *SCENE, "--fit", "c1"),
     "taylor.png": ("render", *SCENE, "--setup", "taylor", "--exponent", "20"),
     "adapt.png": ("render", *SCENE, "--max-error", "3", "--exponent", "50"),
+    "refit.png": ("render", *BALL, "--exponent", "50", "--max-error", "4", "--fit", "minimax"),
     "incidence.png": ("render", *SCENE, "--max-error", "90", "--material", "fresnel=1.5"),
     "fractional.png": ("render", *SCENE, "--stepping", "fractional"),
     "painter.png": ("render", *SCENE, "--generic", "with_depth=0"),
