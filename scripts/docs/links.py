@@ -28,7 +28,7 @@ LANGUAGES = {
     ".sh": "bash",
     ".cpp": "cpp",
 }
-IMAGES = (".png", ".svg", ".jpg")
+IMAGES = (".gif", ".png", ".svg", ".jpg")
 
 
 def place_of(path: PurePosixPath) -> PurePosixPath:
