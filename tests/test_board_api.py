@@ -125,8 +125,9 @@ def test_a_board_without_edge_map_leaves_them_to_the_host() -> None:
     )
     white = np.full((32, 48, 3), 255, np.uint8)
     with Board("sim", settings=SMALL, engine="model", notice=told.append) as board:
-        projected = project(mesh, fit_camera(mesh, direction=np.array([1, 0.8, 1])), 48, 32, board.formats)
-        scene = ShownScene(projected, None, None, (255, 255, 255), len(mesh))
+        camera = fit_camera(mesh, direction=np.array([1, 0.8, 1]))
+        projected = project(mesh, camera, 48, 32, board.formats)
+        scene = ShownScene(projected, None, None, (255, 255, 255), len(mesh), mesh, camera)
         picture = style_on_board(settings, white, scene, board, Reports(told.append))
     gbuffer, _ = draw_gbuffer(projected)
     assert np.array_equal(picture, draw_edges(white, find_edges(gbuffer)))
