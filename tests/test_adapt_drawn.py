@@ -155,8 +155,8 @@ def test_work_is_done_once_and_only_where_it_can_win(scene: str, monkeypatch: py
     assert len(shaded) == 1 and shaded[0] > 1000
     assert list(drawn) == [adapted.formats]
     (counts,) = drawn.values()
-    # The whole once; after that what other limits change.
-    assert counts[0] >= len(whole) and sum(counts) < 1.5 * len(whole) and len(counts) <= 6
+    # The whole once; after that the few parts that other limits, and the other way of planning, change.
+    assert counts[0] >= len(whole) and max(counts[1:]) < len(whole) / 5 and sum(counts) < 2 * len(whole)
     # Judged for every triangle of all three kinds they would be three times the whole, and more for parts.
     assert 0 < sum(halves) < 0.6 * len(whole)
 
