@@ -24,7 +24,7 @@ from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
-    VERIFY_ERROR,
+    VERIFY_PICTURE,
     scene_options,
     setup_options,
     shading_options,
@@ -33,15 +33,13 @@ from quadshade.cli.scene_options import (
 from quadshade.cli.style_options import GBUFFER_OPTIONS, STYLE_OPTIONS
 from quadshade.cli.terminal import reporting, say_statistics
 
-VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
-
 
 @click.command(cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Draw a mesh file or a generated scene.")
 @add_options(
     scene_options("512x512, or with --port the board's screen", "black; white with --style or --edges"),
     shading_options(),
     ERROR_OPTIONS,
-    verify_option("Accuracy", VERIFY),
+    verify_option("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
     PACK_OPTIONS,

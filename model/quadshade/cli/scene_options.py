@@ -26,6 +26,9 @@ from quadshade.choices import (
 from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, option
 
 VERIFY_ERROR = "With --max-error: compare every pixel with Phong shading and repair what exceeds it."
+VERIFY_PICTURE = (
+    f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
+)
 
 ERROR_OPTIONS: list[Decorator] = [
     option(

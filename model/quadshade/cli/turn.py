@@ -22,7 +22,7 @@ from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
-    VERIFY_ERROR,
+    VERIFY_PICTURE,
     scene_options,
     setup_options,
     shading_options,
@@ -30,8 +30,6 @@ from quadshade.cli.scene_options import (
 )
 from quadshade.cli.style_options import STYLE_OPTIONS
 from quadshade.cli.terminal import reporting
-
-VERIFY = f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
 
 MOTION_OPTIONS = [
     option("Motion", "--frames", type=int, default=60, show_default=True, help="How many pictures."),
@@ -104,7 +102,7 @@ FILM_OPTIONS = [
     MOTION_OPTIONS,
     shading_options(),
     ERROR_OPTIONS,
-    verify_option("Accuracy", VERIFY),
+    verify_option("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
     PACK_OPTIONS,
