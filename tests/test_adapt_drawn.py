@@ -122,8 +122,10 @@ def test_bytes_are_those_of_the_stream_where_the_set_up_divides() -> None:
     assert plan.bytes == stream_bytes(plan.triangles, formats)
 
 
-@pytest.mark.parametrize("scene", ["sphere:374", "sphere:690"])
-def test_work_is_done_once_and_only_where_it_can_win(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("scene", "planned_twice"), [("sphere:374", True), ("sphere:690", False)])
+def test_work_is_done_once_and_only_where_it_can_win(
+    scene: str, planned_twice: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Counts, not times: pixels shaded once, one kind of channels drawn, halves of few triangles judged."""
     whole = looked_at(scene, 512)
     shaded: list[int] = []
@@ -155,8 +157,10 @@ def test_work_is_done_once_and_only_where_it_can_win(scene: str, monkeypatch: py
     assert len(shaded) == 1 and shaded[0] > 1000
     assert list(drawn) == [adapted.formats]
     (counts,) = drawn.values()
-    # The whole once; after that the few parts that other limits, and the other way of planning, change.
+    # The whole once; after that the few parts that other limits change, and where much is divided the other
+    # way of planning.
     assert counts[0] >= len(whole) and max(counts[1:]) < len(whole) / 5 and sum(counts) < 2 * len(whole)
+    assert planned_twice or (sum(counts) < 1.5 * len(whole) and len(counts) <= 6)
     # Judged for every triangle of all three kinds they would be three times the whole, and more for parts.
     assert 0 < sum(halves) < 0.6 * len(whole)
 
