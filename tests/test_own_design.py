@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from docs.tutorial.own_design.make_words import GENERICS
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
@@ -26,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "tutorial" / "own_design" / "README.md"
 SHOWN = ROOT / "docs" / "images" / "own_design.png"
 ENLARGED = 8
+GENERICS = {"coord_bits": 7, "subpixel_bits": 4, "word_width": 28, "frac_bits": 18}
 
 
 @pytest.fixture(scope="module")
@@ -70,9 +70,10 @@ def test_the_design_paints_what_the_model_draws(run: tuple[Path, str]) -> None:
 
 def test_the_page_says_what_the_commands_say(run: tuple[Path, str]) -> None:
     page, said = PAGE.read_text(), run[1]
-    (words,) = re.findall(r": (\d+) words for", said)
+    (words,) = re.findall(r": (\d+) words of", said)
     (cycles,) = re.findall(r"painted in (\d+) cycles", said)
-    assert f"here {words} for two triangles" in " ".join(page.split())
+    assert f"`{words} words of 2 packets for 2 triangles, 1791 pixels`" in " ".join(page.split())
+    assert all(f"--generic {name}={value}" in page for name, value in GENERICS.items())
     assert f"`painted in {cycles} cycles`" in page
     triangles, formats = open_triangles(PAGE.parent / "picture.json", GENERICS)
     pixels = draw(triangles, formats, "model").pixels

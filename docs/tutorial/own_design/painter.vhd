@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
--- A picture that paints itself: on `start` the set-up words of picture_pkg go into a raster_core, and every
+-- A picture that paints itself: on `start` the set-up stream of picture_pkg goes into a raster_core, and each
 -- pixel becomes a write to a memory of the design, here its own: screen_width * screen_height colours.
 
 library ieee;
@@ -14,7 +14,7 @@ entity painter is
     clk : in std_ulogic;
     reset : in std_ulogic;
     start : in std_ulogic;
-    -- Every word was taken, every pixel written.
+    -- Every beat was taken, every pixel written.
     done : out std_ulogic;
     -- The picture's read port: the colour of an address a cycle later, red highest.
     read_address : in natural range 0 to screen_width * screen_height - 1;
@@ -25,7 +25,7 @@ end entity;
 architecture rtl of painter is
 
   signal setup_valid, setup_ready, idle : std_ulogic;
-  signal next_word : natural range 0 to setup_words'length := setup_words'length;
+  signal next_beat : natural range 0 to setup_beats'length := setup_beats'length;
 
   signal pixel_valid : std_ulogic;
   signal pixel_x, pixel_y : u_unsigned(coord_bits - 1 downto 0);
@@ -36,20 +36,20 @@ architecture rtl of painter is
 
 begin
 
-  -- A word is taken in a clock with valid and ready, and the next one follows.
-  setup_valid <= '1' when next_word < setup_words'length else '0';
+  -- A beat is taken in a clock with valid and ready, and the next one follows.
+  setup_valid <= '1' when next_beat < setup_beats'length else '0';
   done <= idle and not setup_valid;
 
-  words : process (clk)
+  beats : process (clk)
   begin
     if rising_edge(clk) then
       if start = '1' then
-        next_word <= 0;
+        next_beat <= 0;
       elsif setup_valid = '1' and setup_ready = '1' then
-        next_word <= next_word + 1;
+        next_beat <= next_beat + 1;
       end if;
       if reset = '1' then
-        next_word <= setup_words'length;
+        next_beat <= setup_beats'length;
       end if;
     end if;
   end process;
@@ -62,7 +62,7 @@ begin
     port map (
       clk => clk, reset => reset,
       setup_valid => setup_valid, setup_ready => setup_ready,
-      setup_data => setup_words(next_word mod setup_words'length),
+      setup_data => setup_beats(next_beat mod setup_beats'length),
       -- A memory takes a pixel in every clock; what cannot lowers ready.
       pixel_valid => pixel_valid, pixel_ready => '1', pixel_last => open,
       pixel_x => pixel_x, pixel_y => pixel_y, pixel_value => pixel_value, pixel_depth => open,

@@ -31,6 +31,7 @@ COMMANDS = (
     "compare",
     "trade",
     "pack",
+    "words",
     "dump",
     "replay",
     "info",

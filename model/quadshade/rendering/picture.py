@@ -18,6 +18,7 @@ from quadshade.image import Comparison, compare, encode_png, read_picture, write
 
 if TYPE_CHECKING:
     from quadshade.rendering.settings import RenderSettings
+    from quadshade.rendering.words import SetupWords
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,21 @@ class Picture:
 
         height, width = self.array.shape[:2]
         return render_picture(reference_settings(self.settings, (width, height), self.stats.generics))
+
+    def setup_words(self) -> SetupWords:
+        """
+        The picture as a core takes it, for a bench or a ROM: what ``quadshade words`` writes.
+
+        Returns
+        -------
+        SetupWords
+          The set-up stream of the picture's triangles and what the golden model makes of it; its ``save``
+          writes both.
+        """
+        from quadshade.contract.formats import Formats
+        from quadshade.rendering.words import SetupWords
+
+        return SetupWords.of(self.triangles, Formats(**self.stats.generics), self.settings.setup)
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""
