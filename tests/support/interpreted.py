@@ -67,6 +67,7 @@ def compute(folder: Path) -> None:
     from quadshade.contract.formats import Formats
     from quadshade.scene import load_scene, parse_camera, project
     from quadshade.setup.literature.methods import METHODS, coefficients
+    from quadshade.setup.tile import Cuttable, Rectangle
     from quadshade.setup.triangle_setup import setup_triangles
     from quadshade.shading.lights import PointLight
     from tests.support.setup_reference import screen_triangles
@@ -85,6 +86,10 @@ def compute(folder: Path) -> None:
     corners = numbers.integers(*formats.guard_band, (12, 3, 2))
     crossing = screen_triangles(corners, formats, 12, 10, numbers.integers(0, 2, (12, 1, 6)) * 255.0)
     terms["words"] = setup_triangles(crossing, formats, limit=0.02).words
+    for name, fractional in (("centre", False), ("fractional", True)):
+        whole = Cuttable(setup_triangles(crossing, formats, fractional=fractional), formats)
+        for where_cut in (Rectangle(3, 2, 5, 6), Rectangle(0, 0, 12, 10)):
+            terms[f"{name}{where_cut.width}"] = whole.to(where_cut).words
     terms["fit"] = weighted_fit(np.eye(4, 3)[None], numbers.random((5, 2, 4)), numbers.random((5, 2, 4)))
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 

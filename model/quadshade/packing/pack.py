@@ -161,6 +161,20 @@ def _signed(values: np.ndarray, bits: int) -> np.ndarray:
     return ((values + half) & (2 * half - 1)) - half
 
 
+def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
+    """(kinds, n, 6) zero bits at the end of all words that share a width: what need not be sent."""
+    kinds = np.array(channel_kinds(formats))
+    shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
+    sent = np.array(DIFFERENCES_OF_ORDER)[primitives.orders][:, :, None] > np.arange(NUM_DIFFERENCES)
+    for kind in np.unique(kinds):
+        words = np.bitwise_or.reduce((primitives.words * sent)[:, kinds == kind], axis=1)
+        # Below the lowest bit that is set; of words of 0, as many as there are.
+        below = np.bitwise_count((words & -words) - 1).astype(np.int64)
+        most = np.where(words == 0, formats.word_width - 1, below)
+        shifts[kind] = hold(most, sent[:, kinds == kind].sum(axis=1), None, formats)
+    return shifts
+
+
 def _laid_out(
     primitives: Primitives, shifts: np.ndarray, has_second: np.ndarray, formats: Formats
 ) -> tuple[np.ndarray, Needs]:
@@ -246,6 +260,8 @@ def pack_primitives(
             error_budgets(formats, error, state),
             lambda most, sent: hold(most, sent, None, formats),
         )
+    elif size:
+        shifts = _zeros_below(primitives, formats)
     header = primitives.header
     has_second = header["has_second"] != 0
     values, needs = _laid_out(primitives, shifts, has_second, formats)

@@ -25,6 +25,7 @@ from numba import njit
 from quadshade.contract.arrays import Ints, Records, record_dtype
 from quadshade.setup.sides import (
     MAX_RUNS,
+    Extent,
     Line,
     Sides,
     Window,
@@ -173,9 +174,14 @@ def _cut_inside(triangle: int, corners: Ints, bits: int, out: Cut, count: int) -
 @njit(cache=True)
 def cut_one(triangle: int, corners: Ints, window: Window, sides: Sides, out: Cut, count: int) -> int:
     """Append the primitives of one triangle; the longest possible one first, which gives the least number."""
+    return join_sides(triangle, sides, cut_sides(corners, window, sides), window.width, out, count)
+
+
+@njit(cache=True)
+def join_sides(triangle: int, sides: Sides, extent: Extent, width: int, out: Cut, count: int) -> int:
+    """Append the primitives between two sides; ``extent`` says of which scanlines and runs."""
     left, right = sides
-    width = window.width
-    first, end, left_count, right_count = cut_sides(corners, window, sides)
+    first, end, left_count, right_count = extent
     y = next_covered(sides, first, end, width)
     if y >= end:
         return count

@@ -12,6 +12,7 @@ from numba import njit
 from quadshade.contract.arrays import Ints, Words32
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, EDGES, SETUP_WORD_BITS, Formats
 from quadshade.errors import QuadshadeError
+from quadshade.setup.edges import Cut, empty_cut
 
 BLOCK = 4096
 """Packets written at a time: field by field, they stay in the cache."""
@@ -56,6 +57,50 @@ class Primitives:
 
     def __len__(self) -> int:
         return len(self.triangle)
+
+
+def cut_of(primitives: Primitives) -> Cut:
+    """What covers which pixels: heads and edges as the loops take them; the major edge's ends are not known."""
+    size = len(primitives)
+    cut = empty_cut(size)
+    cut.heads["triangle"] = np.arange(size)
+    for name in ("y", "rows_first", "rows_second", "mirror"):
+        cut.heads[name] = primitives.header[name]
+    for index, edge in enumerate(primitives.edges.values()):
+        state = cut.edges[:, index]
+        state["column"], state["step"] = edge["column"], edge["step"]
+        state["remainder"] = edge["error"] - edge["decrement"]
+        state["increment"] = edge["increment"]
+        state["height"] = edge["increment"] - edge["decrement"]
+    return cut
+
+
+def header_of(cut: Cut, fractional: np.ndarray) -> dict[str, np.ndarray]:
+    """The header of primitives, ``fractional`` (n,) int64."""
+    heads = cut.heads
+    return {
+        "y": heads["y"],
+        "rows_first": heads["rows_first"],
+        "rows_second": heads["rows_second"],
+        "has_second": (heads["rows_second"] > 0).astype(np.int64),
+        "mirror": heads["mirror"],
+        "fractional": fractional,
+    }
+
+
+def edges_of(cut: Cut) -> dict[str, dict[str, np.ndarray]]:
+    """The edges of primitives, with the DDA's numbers as a packet has them."""
+    edges = {}
+    for index, name in enumerate(EDGES):
+        state = cut.edges[:, index]
+        edges[name] = {
+            "column": state["column"],
+            "error": state["remainder"] + state["increment"] - state["height"],
+            "step": state["step"],
+            "increment": state["increment"],
+            "decrement": state["increment"] - state["height"],
+        }
+    return edges
 
 
 def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndarray:

@@ -16,7 +16,7 @@ from quadshade.contract.arrays import Ints
 from quadshade.setup.packet import Primitives
 
 MOST_TRIES = 256
-"""Denominators tried; a segment that needs more is a long one, and few."""
+"""Denominators tried; only a segment of more scanlines may need more, and those are few."""
 
 
 @njit(cache=True)
@@ -32,7 +32,7 @@ def _remainders(columns: Ints, rows: int, slope: int, height: int) -> tuple[int,
 
 
 @njit(cache=True)
-def _shorten(rows: Ints, remainder: Ints, increment: Ints, height: Ints, columns: Ints) -> None:
+def _shorten(rows: Ints, remainder: Ints, increment: Ints, height: Ints, columns: Ints, tries: int) -> None:
     """Write the shortest (remainder, increment, height) of every edge over itself."""
     for p in range(len(rows)):
         count, r, a, h = rows[p], remainder[p], increment[p], height[p]
@@ -46,7 +46,7 @@ def _shorten(rows: Ints, remainder: Ints, increment: Ints, height: Ints, columns
                 value -= h
                 column += 1
         # Both neighbours of a / h for each denominator: if any other is in the interval, so is one of them.
-        for choice in range(2, 2 * min(h, MOST_TRIES)):
+        for choice in range(2, 2 * min(h, tries)):
             tried = choice // 2
             slope = a * tried // h + choice % 2
             least, most = _remainders(columns, count, slope, tried)
@@ -57,13 +57,15 @@ def _shorten(rows: Ints, remainder: Ints, increment: Ints, height: Ints, columns
                 break
 
 
-def short_edges(primitives: Primitives) -> dict[str, dict[str, np.ndarray]]:
+def short_edges(primitives: Primitives, tries: int = MOST_TRIES) -> dict[str, dict[str, np.ndarray]]:
     """
     The edges of primitives in as few bits as their columns allow.
 
     Parameters
     ----------
     primitives : Primitives
+    tries : int
+      Denominators from 1 to below this are tried; as many as a segment has scanlines are enough.
 
     Returns
     -------
@@ -79,7 +81,7 @@ def short_edges(primitives: Primitives) -> dict[str, dict[str, np.ndarray]]:
     for name, edge in primitives.edges.items():
         height = edge["increment"] - edge["decrement"]
         remainder, increment = edge["error"] - edge["decrement"], edge["increment"].copy()
-        _shorten(rows[name], remainder, increment, height, columns)
+        _shorten(rows[name], remainder, increment, height, columns, tries)
         decrement = increment - height
         out[name] = edge | {
             "error": remainder + decrement, "increment": increment, "decrement": decrement,

@@ -21,8 +21,8 @@ from numba import njit
 from quadshade.contract.arrays import Bools, Floats, Ints, Records
 from quadshade.contract.formats import CONSTANT, DIFFERENCES, DIFFERENCES_OF_ORDER, Formats
 from quadshade.contract.packed_format import CHANNEL_KINDS, channel_kinds
-from quadshade.setup.edges import Cut, empty_cut
-from quadshade.setup.packet import Primitives
+from quadshade.setup.edges import Cut
+from quadshade.setup.packet import Primitives, cut_of
 from quadshade.setup.quantise import (
     FIT,
     SAMPLE_POINTS,
@@ -76,17 +76,8 @@ def _fill_regions(cut: Cut, fractional: Bools, out: Regions) -> None:
 def primitive_regions(primitives: Primitives) -> Regions:
     """The regions of primitives."""
     size = len(primitives)
-    cut = empty_cut(size)
-    cut.heads["rows_first"] = primitives.header["rows_first"]
-    cut.heads["rows_second"] = primitives.header["rows_second"]
-    for index, edge in enumerate(primitives.edges.values()):
-        state = cut.edges[:, index]
-        state["column"], state["step"] = edge["column"], edge["step"]
-        state["remainder"] = edge["error"] - edge["decrement"]
-        state["increment"] = edge["increment"]
-        state["height"] = edge["increment"] - edge["decrement"]
     regions = Regions(np.zeros((size, 8, 2)), np.zeros(size, np.int64), np.zeros(size, FIT))
-    _fill_regions(cut, primitives.header["fractional"] != 0, regions)
+    _fill_regions(cut_of(primitives), primitives.header["fractional"] != 0, regions)
     return regions
 
 

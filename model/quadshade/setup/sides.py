@@ -48,6 +48,18 @@ class Window(NamedTuple):
     bits: int
 
 
+class Extent(NamedTuple):
+    """
+    What of a triangle's sides counts: scanlines from ``first`` to before ``end``, none where ``first >= end``,
+    and the runs of each side.
+    """
+
+    first: int
+    end: int
+    left_count: int
+    right_count: int
+
+
 class Sides(NamedTuple):
     """Room for the runs of both sides of a triangle, records of :class:`Run`."""
 
@@ -111,7 +123,7 @@ def _push(runs: Records, count: int, end: int, line: Line, top: int, bottom: int
 
 
 @njit(cache=True)
-def _push_edge(runs: Records, count: int, end: int, line: Line, top: int, bottom: int, width: int) -> int:
+def push_edge(runs: Records, count: int, end: int, line: Line, top: int, bottom: int, width: int) -> int:
     """Append a line up to ``end``, replaced by the border where its column leaves 0 .. width."""
     m, dx, dy, start = line
     if start >= end:
@@ -203,33 +215,24 @@ def sorted_corners(corners: Ints) -> tuple[int, int, int, int]:
 
 
 @njit(cache=True)
-def cut_sides(corners: Ints, window: Window, sides: Sides) -> tuple[int, int, int, int]:
-    """
-    Write both sides of a triangle on the screen.
-
-    Returns
-    -------
-    first, end : int
-      Its scanlines are those from ``first`` to before ``end``; there are none where ``first >= end``.
-    left_count, right_count : int
-      Runs of the sides.
-    """
+def cut_sides(corners: Ints, window: Window, sides: Sides) -> Extent:
+    """Write both sides of a triangle on the screen."""
     width, height, bits = window
     top, middle, bottom, area = sorted_corners(corners)
     first = max(first_scanline(corners[top, 1], bits), 0)
     end = min(first_scanline(corners[bottom, 1], bits), height)
     if first >= end or area == 0:
-        return 0, 0, 0, 0
+        return Extent(0, 0, 0, 0)
     knee = _clamp(first_scanline(corners[middle, 1], bits), first, end)
     long, broken = (sides.left, sides.right) if area > 0 else (sides.right, sides.left)
     broken_count = 0
-    long_count = _push_edge(long, 0, end, line_of(corners, top, bottom, first, bits), top, bottom, width)
+    long_count = push_edge(long, 0, end, line_of(corners, top, bottom, first, bits), top, bottom, width)
     if first < knee:
         upper = line_of(corners, top, middle, first, bits)
-        broken_count = _push_edge(broken, 0, knee, upper, top, middle, width)
+        broken_count = push_edge(broken, 0, knee, upper, top, middle, width)
     if knee < end:
         lower = line_of(corners, middle, bottom, knee, bits)
-        broken_count = _push_edge(broken, broken_count, end, lower, middle, bottom, width)
+        broken_count = push_edge(broken, broken_count, end, lower, middle, bottom, width)
     if area > 0:
-        return first, end, long_count, broken_count
-    return first, end, broken_count, long_count
+        return Extent(first, end, long_count, broken_count)
+    return Extent(first, end, broken_count, long_count)

@@ -16,7 +16,7 @@ from quadshade.setup.colour_words import Colours, colour_words, words_by_terms
 from quadshade.setup.divide_primitives import beyond, divide
 from quadshade.setup.edges import Cut, cut_triangles
 from quadshade.setup.literature.terms import fit_terms
-from quadshade.setup.packet import Primitives
+from quadshade.setup.packet import Primitives, edges_of, header_of
 
 UNDEFINED = 4.0 / 3.0
 """A channel drawn as 0 is at most this share of full scale off any quadratic through its samples."""
@@ -229,24 +229,6 @@ def setup_triangles(
     bounds[undefined] = 2.0**formats.value_bits * UNDEFINED
     if limit is not None and strict:
         _refuse_beyond(limit, cut, bounds, triangles.channels)
-    heads = cut.heads
-    header = {
-        "y": heads["y"],
-        "rows_first": heads["rows_first"],
-        "rows_second": heads["rows_second"],
-        "has_second": (heads["rows_second"] > 0).astype(np.int64),
-        "mirror": heads["mirror"],
-        "fractional": np.full(len(heads), int(fractional), dtype=np.int64),
-    }
-    edges = {}
-    for index, name in enumerate(("major", "minor", "second")):
-        state = cut.edges[:, index]
-        edges[name] = {
-            "column": state["column"],
-            "error": state["remainder"] + state["increment"] - state["height"],
-            "step": state["step"],
-            "increment": state["increment"],
-            "decrement": state["increment"] - state["height"],
-        }
-    owners = heads["triangle"].copy()
-    return Primitives(owners, header, edges, orders[owners], words, bounds, np.any(undefined, axis=1))
+    header = header_of(cut, np.full(len(cut.heads), int(fractional), dtype=np.int64))
+    owners = cut.heads["triangle"].copy()
+    return Primitives(owners, header, edges_of(cut), orders[owners], words, bounds, np.any(undefined, axis=1))
