@@ -2,7 +2,8 @@
 """
 Boards: the API to one (``Board``), and simulated ones.
 
-``ports`` opens the line to a board, ``readback`` reads its planes, ``fallbacks`` replaces what it lacks.
+``ports`` opens the line to a board, ``readback`` reads its planes, ``fallbacks`` replaces what it lacks,
+``frame_time`` says how long a picture takes.
 A simulated board has its generics from ``settings``; ``engines`` runs the design, ``endpoints`` is its end of
 the line, and ``simulated`` joins the two. ``docs/guide/board_api.md`` describes the use.
 """

@@ -15,9 +15,13 @@ import numpy as np
 
 from quadshade.contract.arrays import Ints
 from quadshade.contract.formats import Formats
+from quadshade.golden.line_clocks import PLACE, BoardPlace, Line, board_clock, is_done, no_line
 
 WALK_STAGES = 7
 """Generic ``walk_stages`` of ``rtl/core/edge_walker.vhd``."""
+
+COUNTED_STAGE = 3
+"""The stage of ``rtl/core/edge_walker.vhd`` that knows how many pixels a span has."""
 
 EMPTY = -1
 """A stage that holds nothing."""
@@ -37,12 +41,29 @@ class _Pipeline(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _count_clocks(beats: Ints, first_rows: Ints, row_pixels: Ints, pipeline: _Pipeline) -> int:
-    """Cycles from the first beat accepted to the last pixel out, both included; 0 where none comes out."""
+def _walks(stages: Ints, head: int) -> bool:
+    """Whether the edge walker is busy; a span without pixels is not kept beyond ``COUNTED_STAGE``."""
+    for stage in range(1, WALK_STAGES):
+        pixels = stages[(head + stage) % WALK_STAGES]
+        if pixels > 0 or (pixels == 0 and stage <= COUNTED_STAGE):
+            return True
+    return False
+
+
+@numba.njit(cache=True)
+def _count_clocks(
+    beats: Ints, first_rows: Ints, row_pixels: Ints, pipeline: _Pipeline, line: Line, board: BoardPlace
+) -> int:
+    """
+    Cycles from the first beat accepted to the last pixel out, both included; 0 where none comes out.
+
+    Behind a line from its first byte on until everything is done, also where no pixel comes out.
+    """
     words_beat, span_depth, stall_period, stages_behind = pipeline
+    has_line = len(line.commands) > 0
     packets = len(beats)
     remaining_pixels = row_pixels.sum()
-    if remaining_pixels == 0:
+    if remaining_pixels == 0 and not has_line:
         return 0
     # setup_loader
     packet = 0
@@ -74,10 +95,11 @@ def _count_clocks(beats: Ints, first_rows: Ints, row_pixels: Ints, pipeline: _Pi
     while True:
         cycle += 1
         # What the sink sees in this cycle.
-        sink_ready = stall_period == 0 or cycle % stall_period != 0
-        if (shown if stages_behind else front) and sink_ready:
+        sink_ready = board.closed == 0 and (stall_period == 0 or cycle % stall_period != 0)
+        pixel_out = (shown if stages_behind else front) and sink_ready
+        if pixel_out:
             remaining_pixels -= 1
-            if remaining_pixels == 0:
+            if remaining_pixels == 0 and not has_line:
                 return cycle
         pixel_ready = not shown_spare if stages_behind else sink_ready
         # Combinational.
@@ -91,6 +113,14 @@ def _count_clocks(beats: Ints, first_rows: Ints, row_pixels: Ints, pipeline: _Pi
         last_0 = valid_0 and row == end_row - 1
         take = walk and full and (not valid_0 or last_0) and not first_0 and not first_1
         ready = packet < packets and not full and not (beat >= words_beat and first_0)
+        if has_line:
+            busy = full or beat > 0 or valid_0 or in_chain > 0 or left > 0 or clamped or front or spare
+            busy = busy or shown or shown_spare or bool(behind.any()) or _walks(stages, head)
+            if is_done(line, board, busy):
+                return cycle
+            offered_beat = board.full == 1
+            board_clock(line, board, cycle, ready, pixel_out, busy)
+            ready = ready and offered_beat
 
         # Clock edge, downstream first.
         if stages_behind:
@@ -182,4 +212,35 @@ def count_clocks(
     """
     words_beat = formats.section_beats("edge") - 1
     pipeline = _Pipeline(words_beat, formats.span_depth, stall_period, stages_behind)
-    return int(_count_clocks(beats, first_rows, row_pixels, pipeline))
+    line, board = no_line()
+    return int(_count_clocks(beats, first_rows, row_pixels, pipeline, line, board[0]))
+
+
+def count_board_clocks(
+    beats: np.ndarray,
+    first_rows: np.ndarray,
+    row_pixels: np.ndarray,
+    formats: Formats,
+    line: Line,
+) -> tuple[int, int]:
+    """
+    Clocks that a board takes, which does nothing at first: from a picture's first bit until all is drawn.
+
+    Parameters
+    ----------
+    beats, first_rows, row_pixels, formats
+      As for :func:`count_clocks`, with the shade unit where the formats have one.
+    line : Line
+
+    Returns
+    -------
+    clocks, clocks_busy : int
+      The second as STATUS counts them.
+    """
+    words_beat = formats.core.section_beats("edge") - 1
+    pipeline = _Pipeline(words_beat, formats.span_depth, 0, formats.shade_stages)
+    board = np.zeros(1, PLACE)
+    board["idle"] = 1
+    clocks = _count_clocks(beats, first_rows, row_pixels, pipeline, line, board[0])
+    # The register says a clock later that the board is idle.
+    return int(clocks), int(board["clocks_busy"][0] + 1 - board["idle"][0])

@@ -165,6 +165,101 @@ def _packet(words: Words32, place: _Place, widths: Ints, orders: Ints, layout: _
     return True
 
 
+TAKES, GIVES, RESTS = 1, 2, 4
+"""What the hardware does in a clock: takes a bit of the line, gives one to the core, waits for a packet."""
+
+
+@njit(cache=True)
+def _add(clocks: Ints, size: int, what: int, count: int) -> int:
+    """So many clocks of one kind behind ``size`` others; how many there are then."""
+    for index in range(count):
+        clocks[size + index] = what
+    return size + count
+
+
+@njit(cache=True)
+def _field_clocks(clocks: Ints, size: int, length: int, below: int, top: int) -> int:
+    """Clocks of a field's bits, one each."""
+    for position in range(length):
+        sent = below <= position <= top
+        clocks[size + position] = GIVES | TAKES if sent else GIVES
+    return size + length
+
+
+@njit(cache=True)
+def _packet_clocks(
+    words: Words32, place: _Place, widths: Ints, orders: Ints, layout: _Layout, clocks: Ints
+) -> int:
+    """What the hardware does for one packet, clock by clock, where nothing makes it wait; 0 without one."""
+    size = 0
+    started = False
+    while not started:
+        if place.bit == SETUP_WORD_BITS * len(words):
+            return _add(clocks, 0, TAKES | RESTS, size)
+        started = _take(words, place) == 1
+        size += 1
+    size = _add(clocks, 0, TAKES | RESTS, size)
+    changes, most = 0, 1 << layout.address_bits
+    while changes < most:
+        size = _add(clocks, size, TAKES, 1)
+        if not _take(words, place):
+            break
+        address = _number(words, place, layout.address_bits)
+        widths[address] = _number(words, place, layout.width_bits)
+        size = _add(clocks, size, TAKES, layout.address_bits + layout.width_bits)
+        # It is stored.
+        size = _add(clocks, size, 0, 1)
+        changes += 1
+    flags = _number(words, place, NUM_RAW)
+    size = _add(clocks, size, TAKES | GIVES, NUM_RAW)
+    same = _take(words, place)
+    size = _add(clocks, size, TAKES, 1)
+    for index in range(2 * len(layout.kinds)):
+        if not same:
+            orders[index] = _take(words, place)
+        size = _add(clocks, size, GIVES if same else TAKES | GIVES, 1)
+    given = NUM_RAW + 2 * len(layout.kinds)
+    for index in range(len(layout.fields) if flags & 1 else layout.second_at):
+        length, address, _ = layout.fields[index]
+        if index == layout.second_at:
+            size = _add(clocks, size, GIVES, -given % SETUP_WORD_BITS)
+            size, given = _add(clocks, size, 0, 1), 0
+        size = _add(clocks, size, 0, 1)
+        size = _field_clocks(clocks, size, length, 0, widths[address])
+        _number(words, place, min(widths[address] + 1, length))
+        given += length
+    size = _add(clocks, size, GIVES, -given % SETUP_WORD_BITS)
+    size = _add(clocks, size, 0, 1)
+    for channel in range(len(layout.kinds)):
+        order = min(orders[2 * channel] + 2 * orders[2 * channel + 1], QUADRATIC, layout.built[channel])
+        for difference in range(DIFFERENCES_OF_ORDER[order]):
+            address = KIND_WIDTHS * layout.kinds[channel] + 2 * difference
+            # The width is fetched, then read.
+            size = _add(clocks, size, 0, 2)
+            size = _field_clocks(clocks, size, layout.word_width, widths[address], widths[address + 1])
+            _number(words, place, max(widths[address + 1] + 1 - widths[address], 0))
+            size = _add(clocks, size, GIVES, -layout.word_width % SETUP_WORD_BITS)
+            size = _add(clocks, size, 0, 1)
+    return size
+
+
+@njit(cache=True)
+def _all_clocks(words: Words32, layout: _Layout, most: int) -> Ints:
+    """:func:`_packet_clocks` of all packets, and of the bits behind the last one."""
+    place = np.zeros(1, _PLACE)[0]
+    widths = np.zeros(1 << layout.address_bits, np.int64)
+    orders = np.zeros(2 * len(layout.kinds), np.int64)
+    piece, out = np.zeros(most, np.int64), np.zeros(most, np.int64)
+    size = 0
+    while place.bit < SETUP_WORD_BITS * len(words):
+        count = _packet_clocks(words, place, widths, orders, layout, piece)
+        while size + count > len(out):
+            out = np.concatenate((out, np.zeros(len(out), np.int64)))
+        out[size : size + count] = piece[:count]
+        size += count
+    return out[:size]
+
+
 class WordUnpacker:
     """
     Unpacks words as they come.
@@ -261,6 +356,23 @@ class WordUnpacker:
             place["count"] = 0
         done, self._skip = divmod(int(place["bit"]), SETUP_WORD_BITS)
         self._rest = words[done:]
+
+    def clocks(self, words: np.ndarray) -> np.ndarray:
+        """
+        What the hardware does with words after a reset, clock by clock, where nothing makes it wait.
+
+        Parameters
+        ----------
+        words : (n,) uint32
+          Whole packets.
+
+        Returns
+        -------
+        (k,) int64
+          Sums of ``TAKES``, ``GIVES`` and ``RESTS``.
+        """
+        bits = SETUP_WORD_BITS * (self.most_words + len(self._widths)) + 8 * len(self._widths)
+        return _all_clocks(np.asarray(words, np.uint32), self._layout, bits + SETUP_WORD_BITS)
 
     def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
         """

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+How long a picture takes on a board, in the board's own clocks: the one place that says so.
+
+A picture is begun with the first bit of its CLEAR on the line and complete when its last pixel is written.
+Until then the line carries frames, a frame's words count from its end on, they are unpacked and drawn one
+after the other, and a clear fills the screen. ``make frametime`` compares it with the board in simulation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from quadshade.choices import MAX_ERROR, PACK_ERROR
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import MAX_PAYLOAD, WORD_BYTES, Opcode
+from quadshade.contract.shade_state import ShadeState, colour_state
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.golden.clocks import count_board_clocks
+from quadshade.golden.compiled import draw_fast
+from quadshade.golden.compiled_packets import decode_packets
+from quadshade.golden.line_clocks import Line
+from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.golden.screen.depth_test import empty_depths, kept_pixels
+from quadshade.packing.frame_file import state_runs
+from quadshade.packing.line import frame_bytes
+from quadshade.packing.pack import pack_primitives
+from quadshade.setup.packet import pack
+from quadshade.setup.triangle_setup import setup_triangles
+
+BITS_A_BYTE = 10
+"""On the line: start, eight, stop."""
+
+BITS_TO_SAMPLE = 9 + 5 / 8
+"""From a byte's start to the sample of its stop bit, with which it is there (``uart_rx.vhd``)."""
+
+JUDGE_CLOCKS = 8
+"""From then on until a frame's words count."""
+
+
+DEPTH_CLOCKS, PICTURE_CLOCKS = 8, 2
+"""From a pixel's leaving the core to the framebuffer (``depth_test.vhd``), and there until it is written."""
+
+
+@dataclass(frozen=True)
+class BoardClock:
+    """
+    What a picture's time depends on beside the picture.
+
+    Attributes
+    ----------
+    clk_frequency_hz, baud : int
+    width, height : int
+      Of the screen.
+    """
+
+    clk_frequency_hz: int
+    baud: int
+    width: int
+    height: int
+
+    def clocks_of_bytes(self, count: float) -> float:
+        """Clocks that so many bytes take on the line."""
+        return count * BITS_A_BYTE * self.clk_frequency_hz / self.baud
+
+
+@dataclass(frozen=True)
+class PictureClocks:
+    """
+    What a picture takes.
+
+    Attributes
+    ----------
+    line_bytes : int
+    line : int
+      Clocks in which the line is busy.
+    whole : int
+      Clocks until it is drawn.
+    busy : int
+      Those in which the board is not idle, as STATUS counts them.
+    """
+
+    line_bytes: int
+    line: int
+    whole: int
+    busy: int
+
+
+def commands_of(words: np.ndarray, state: ShadeState | None, formats: Formats) -> list[tuple[Opcode, int]]:
+    """Frames that draw packed words, in order: opcode and words of payload."""
+    commands = [(Opcode.CLEAR, 1)]
+    if formats.with_shade:
+        writes = (colour_state(formats) if state is None else state).writes()
+        most = MAX_PAYLOAD // WORD_BYTES - 1
+        for _, run in state_runs(writes):
+            commands += [(Opcode.STATE, 1 + min(most, len(run) - at)) for at in range(0, len(run), most)]
+    most = MAX_PAYLOAD // WORD_BYTES
+    commands += [(Opcode.TRIANGLES, min(most, len(words) - at)) for at in range(0, len(words), most)]
+    return commands
+
+
+def _pixel_clocks(setup_words: np.ndarray, formats: Formats, clock: BoardClock) -> np.ndarray:
+    """(pixels,) int64 clocks from a pixel's leaving the core to its place in the picture, or to its end."""
+    emitted = draw_fast(setup_words, formats.core)
+    if not formats.with_depth:
+        return np.full(max(len(emitted.x), 1), PICTURE_CLOCKS)
+    stored = empty_depths(clock.width, clock.height, formats.depth_bits)
+    kept = kept_pixels(emitted.x, emitted.y, emitted.value[:, -1], stored)
+    clocks = np.where(kept, DEPTH_CLOCKS + PICTURE_CLOCKS, DEPTH_CLOCKS - 1)
+    return clocks if len(clocks) else np.zeros(1, np.int64)
+
+
+def picture_clocks(
+    triangles: ScreenTriangles,
+    formats: Formats,
+    clock: BoardClock,
+    error: float = PACK_ERROR,
+    limit: float | None = MAX_ERROR,
+    sizes: Sequence[int] | None = None,
+    **setup: Any,
+) -> PictureClocks:
+    """
+    The clocks of a picture on a board that is idle, over an undamaged line that never pauses.
+
+    Parameters
+    ----------
+    triangles : ScreenTriangles
+      As the board gets them (:func:`quadshade.board.fallbacks.sent_triangles`).
+    formats : Formats
+      Of the board.
+    clock : BoardClock
+    error, limit, **setup
+      As for :func:`quadshade.packing.line.picture_line_bytes`.
+    sizes : sequence of int, optional
+      Bytes of each frame, for the exact clocks; by default the most that they can have, and that every pixel
+      is kept, which is up to some clocks more.
+
+    Returns
+    -------
+    PictureClocks
+    """
+    primitives = setup_triangles(triangles, formats, limit=limit, **setup)
+    packed = pack_primitives(primitives, formats, error, triangles.shade)
+    commands = commands_of(packed.words, triangles.shade, formats)
+    given = [frame_bytes(WORD_BYTES * count) for _, count in commands] if sizes is None else sizes
+    last_byte = math.ceil(BITS_TO_SAMPLE * clock.clk_frequency_hz / clock.baud) + JUDGE_CLOCKS
+    ends = [math.ceil(clock.clocks_of_bytes(total - 1)) + last_byte for total in np.cumsum(given).tolist()]
+    table = np.array([(*command, end) for command, end in zip(commands, ends, strict=True)], np.int64)
+    setup_words = pack(packed.primitives, formats)
+    line = Line(
+        table.reshape(-1, 3),
+        WordUnpacker(formats).clocks(packed.words),
+        clock.width * clock.height + 1 + formats.with_depth,
+        np.array([PICTURE_CLOCKS + DEPTH_CLOCKS * formats.with_depth])
+        if sizes is None
+        else _pixel_clocks(setup_words, formats, clock),
+    )
+    starts, _, _, scanlines, _ = decode_packets(setup_words, formats.core)
+    beats = np.diff(starts) // formats.beat_words
+    whole, busy = count_board_clocks(beats, scanlines.first_rows, scanlines.pixels, formats, line)
+    return PictureClocks(sum(given), math.ceil(clock.clocks_of_bytes(sum(given))), whole, busy)
