@@ -183,6 +183,10 @@ cho: setup ## Cho's tables on a teapot of 896 triangles, 60 views; writes docs/r
 linkbytes: setup ## bytes of a triangle on the line and dB of its picture, write docs/reports/link_bytes.md
 	@$(VENV) -m scripts.experiments.link_bytes
 
+.PHONY: readback
+readback: setup ## bytes on the line of a board's picture, or of its CRC; writes docs/reports/readback.md
+	@$(VENV) -m scripts.experiments.read_back
+
 .PHONY: faults
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) -m scripts.experiments.link_faults

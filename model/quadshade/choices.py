@@ -78,6 +78,13 @@ PACK_ERROR = 1.0 / 32.0
 AUTO = "auto"
 """A level of detail that the budget chooses."""
 
+VERIFIES = ("picture", "crc", "none")
+"""
+``picture``  a board's picture is fetched and compared with the golden model's: the default
+``crc``      the board says four bytes, and the golden model's picture is shown if they are its CRC
+``none``     the board's picture is fetched and believed
+"""
+
 MEASURES = ("max", "rms")
 UNITS = ("bytes", "clocks", "line")
 """Of a budget: bytes of set-up words, clocks of the core, bytes on the serial line."""
@@ -97,6 +104,14 @@ def check_word(what: str, value: object, words: tuple[str, ...]) -> None:
     """Refuse a word that is not one of some; raises :class:`QuadshadeError`."""
     if not isinstance(value, str) or value not in words:
         raise QuadshadeError(f"the {what} is {value!r}", f"give one of {', '.join(words)}")
+
+
+def parse_verify(value: Any) -> str:
+    """One of :data:`VERIFIES`: True is the first, False the last; raises :class:`QuadshadeError`."""
+    if isinstance(value, str):
+        check_word("verification", value, VERIFIES)
+        return value
+    return VERIFIES[0] if value else VERIFIES[-1]
 
 
 def parse_budget(value: Any) -> tuple[int, str]:

@@ -373,7 +373,9 @@ class Board(BoardReader):
         wanted = {"colour": frame.crc} | ({"depth": frame.depth_crc} if self.formats.with_depth else {})
         for plane, crc in wanted.items():
             if verify and self.verify(plane) != crc:
-                raise self._mismatch(plane)
+                raise QuadshadeError(
+                    f"the file's CRC of the {plane} is not that of its words", "pack the picture again"
+                )
 
     @property
     def simulated(self) -> SimulatedBoard | None:

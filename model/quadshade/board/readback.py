@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from quadshade.board.fallbacks import COLOURS
+from quadshade.choices import parse_verify
 from quadshade.contract.protocol import PLANES, plane_bytes
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import DrawnScreen
@@ -39,7 +40,11 @@ class BoardReader:
             )
 
     def read_plane(
-        self, plane: str = "colour", width: int | None = None, height: int | None = None, verify: bool = True
+        self,
+        plane: str = "colour",
+        width: int | None = None,
+        height: int | None = None,
+        verify: bool | str = True,
     ) -> np.ndarray:
         """
         Read a plane, or the part of it at the top left.
@@ -50,8 +55,10 @@ class BoardReader:
           One of ``protocol.PLANES``: colour, depth, edges_diagonal, edges_eight.
         width, height : int, optional
           Of the part; all of it if left out.
-        verify : bool
-          Also ask for the CRC of the whole plane, which must be that of the golden model's.
+        verify : bool or str
+          One of ``choices.VERIFIES``. ``picture`` (True) fetches the plane and asks for the CRC of all of it,
+          which must be that of the golden model's; ``crc`` asks for the CRC alone, and the plane is the
+          model's; ``none`` (False) only fetches it.
 
         Returns
         -------
@@ -67,6 +74,11 @@ class BoardReader:
         height = self.height if height is None else height
         self._check_size(width, height)
 
+        how = parse_verify(verify)
+        if how == "crc":
+            self.verify(plane)
+            return self._expected.plane(number)[:height, :width].copy()
+
         def report(done: int, total: int) -> None:
             self._report("reading", done, total)
 
@@ -74,13 +86,15 @@ class BoardReader:
             picture = self._ask(lambda: read_picture(self.session, number, report))
         else:
             picture = self._ask(lambda: read_area(self.session, 0, 0, width, height, number, report))
-        if verify:
+        if how == "picture":
             self.verify(plane)
             if not np.array_equal(picture, self._expected.plane(number)[:height, :width]):
-                raise self._mismatch(plane)
+                raise self._mismatch(plane, picture)
         return picture
 
-    def read(self, width: int | None = None, height: int | None = None, verify: bool = True) -> np.ndarray:
+    def read(
+        self, width: int | None = None, height: int | None = None, verify: bool | str = True
+    ) -> np.ndarray:
         """
         The picture as RGB, (height, width, 3) uint8; as :meth:`read_plane`.
 
@@ -94,7 +108,7 @@ class BoardReader:
         return np.repeat(colour, COLOURS, axis=2) if colour.shape[2] == 1 else colour[:, :, :COLOURS]
 
     def read_depth(
-        self, width: int | None = None, height: int | None = None, verify: bool = True
+        self, width: int | None = None, height: int | None = None, verify: bool | str = True
     ) -> np.ndarray:
         """(height, width) uint32 depth, 2**depth_bits - 1 where nothing was drawn; as :meth:`read_plane`."""
         raw = self.read_plane("depth", width, height, verify)
@@ -117,18 +131,29 @@ class BoardReader:
         Raises
         ------
         QuadshadeError
-          It is not.
+          It is not. The plane is fetched then, to say where it differs.
         """
         number = self._plane(plane)
         crc = self._ask(lambda: self.session.frame_crc(number))
         if crc != zlib.crc32(self._expected.plane(number).tobytes()):
-            raise self._mismatch(plane)
+            size = (self.width, self.height)
+            raise self._mismatch(plane, self._ask(lambda: read_area(self.session, 0, 0, *size, number)))
         return crc
 
-    @staticmethod
-    def _mismatch(plane: str) -> QuadshadeError:
+    def _mismatch(self, plane: str, picture: np.ndarray) -> QuadshadeError:
+        """What to say of a plane that the board shows, and of the first pixel that should be another."""
+        height, width = picture.shape[:2]
+        expected = self._expected.plane(PLANES.index(plane))[:height, :width]
+        rows, columns = np.nonzero((picture != expected).any(axis=2))
+        where = "its CRC is another, every pixel that was read is the same"
+        if len(rows):
+            y, x = rows[0], columns[0]
+            shown, wanted = (" ".join(map(str, one[y, x])) for one in (picture, expected))
+            where = (
+                f"{len(rows)} of {height * width} pixels differ, the first at {x},{y}: {shown}, not {wanted}"
+            )
         return QuadshadeError(
-            f"the board's {plane} is not what the golden model predicts",
+            f"the board's {plane} is not what the golden model predicts: {where}",
             "the bitstream is another, or the board fails: build it again, and try a lower clock",
         )
 

@@ -17,8 +17,6 @@ TITLE = "Engine or board"
 BOARD_ONLY = ("baud", "faults", "timeout", "trace", "pack_error")
 """Options that mean nothing where an engine draws."""
 
-VERIFY_BOARD = "What the board shows must have the CRC that the golden model predicts."
-
 
 class Seconds(click.FloatRange):
     """A range of seconds, in which nan is not."""

@@ -20,8 +20,8 @@ from quadshade.cli.options import (
     stats_option,
     waves_option,
 )
-from quadshade.cli.port_options import TITLE, VERIFY_BOARD, port_options, with_board
-from quadshade.cli.scene_options import GENERIC_OPTIONS, setup_options, verify_option
+from quadshade.cli.port_options import TITLE, port_options, with_board
+from quadshade.cli.scene_options import GENERIC_OPTIONS, VERIFY_BOARD, setup_options, verify_options
 from quadshade.cli.terminal import reporting, say_statistics
 from quadshade.contract.formats import parse_generics
 from quadshade.errors import QuadshadeError
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     GENERIC_OPTIONS,
     [engine_option()],
     port_options("Draw on a board; OUTPUT is then a PNG file or its planes as npz"),
-    verify_option(TITLE, VERIFY_BOARD),
+    verify_options(TITLE, VERIFY_BOARD),
     [output_option("Where the pixels go, e.g. pixels.npz."), stats_option, waves_option],
 )
 def raster(

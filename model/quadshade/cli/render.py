@@ -28,7 +28,7 @@ from quadshade.cli.scene_options import (
     scene_options,
     setup_options,
     shading_options,
-    verify_option,
+    verify_options,
 )
 from quadshade.cli.style_options import GBUFFER_OPTIONS, STYLE_OPTIONS
 from quadshade.cli.terminal import reporting, say_statistics
@@ -39,7 +39,7 @@ from quadshade.cli.terminal import reporting, say_statistics
     scene_options("512x512, or with --port the board's screen", "black; white with --style or --edges"),
     shading_options(),
     ERROR_OPTIONS,
-    verify_option("Accuracy", VERIFY_PICTURE),
+    verify_options("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
     PACK_OPTIONS,

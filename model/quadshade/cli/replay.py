@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from quadshade.cli.options import PATH, TitledCommand, add_options, engine_option, output_option
-from quadshade.cli.port_options import TITLE, VERIFY_BOARD, port_options
-from quadshade.cli.scene_options import verify_option
+from quadshade.cli.port_options import TITLE, port_options
+from quadshade.cli.scene_options import VERIFY_BOARD, verify_options
 from quadshade.cli.terminal import reporting, say_statistics, say_trace
 
 
@@ -19,7 +19,7 @@ from quadshade.cli.terminal import reporting, say_statistics, say_trace
 @add_options(
     [engine_option()],
     port_options(),
-    verify_option(TITLE, VERIFY_BOARD),
+    verify_options(TITLE, VERIFY_BOARD),
     [output_option("Read the picture back and write it: a PNG file.", required=False)],
 )
 def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -> None:

@@ -18,6 +18,7 @@ from quadshade.choices import (
     SHADINGS,
     SMOOTHNESS,
     STEPPINGS,
+    VERIFIES,
     parse_budget,
     parse_limit,
     parse_lod,
@@ -25,10 +26,12 @@ from quadshade.choices import (
 )
 from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, option
 
-VERIFY_ERROR = "With --max-error: compare every pixel with Phong shading and repair what exceeds it."
-VERIFY_PICTURE = (
-    f"{VERIFY_ERROR} With --port: what the board shows must have the CRC that the golden model predicts."
+VERIFY_BOARD = (
+    "What the board shows must be what the golden model draws. picture: it is fetched and compared; crc: "
+    "its CRC alone is, and the model's picture is shown; none: it is fetched and believed."
 )
+VERIFY_ERROR = "With --max-error: compare every pixel with Phong shading and repair what exceeds it."
+VERIFY_PICTURE = f"{VERIFY_BOARD} {VERIFY_ERROR}"
 
 ERROR_OPTIONS: list[Decorator] = [
     option(
@@ -190,9 +193,17 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
     ]
 
 
-def verify_option(title: str, help_text: str) -> list[Decorator]:
-    """``--verify``, which means what a command says."""
-    return [option(title, "--verify/--no-verify", default=True, show_default=True, help=help_text)]
+def verify_option() -> list[Decorator]:
+    """``--verify`` of commands that draw on no board."""
+    return [option("Accuracy", "--verify/--no-verify", default=True, show_default=True, help=VERIFY_ERROR)]
+
+
+def verify_options(title: str, help_text: str, default: str = VERIFIES[0]) -> list[Decorator]:
+    """``--verify`` of commands that may draw on a board, and ``--no-verify``."""
+    words = option(
+        title, "--verify", type=click.Choice(VERIFIES), default=default, show_default=True, help=help_text
+    )
+    return [words, option(title, "--no-verify", "verify", flag_value=VERIFIES[-1], help="--verify none.")]
 
 
 def setup_options(methods: tuple[str, ...] = SETUPS) -> list[Decorator]:

@@ -26,7 +26,7 @@ from quadshade.cli.scene_options import (
     scene_options,
     setup_options,
     shading_options,
-    verify_option,
+    verify_options,
 )
 from quadshade.cli.style_options import STYLE_OPTIONS
 from quadshade.cli.terminal import reporting
@@ -102,7 +102,7 @@ FILM_OPTIONS = [
     MOTION_OPTIONS,
     shading_options(),
     ERROR_OPTIONS,
-    verify_option("Accuracy", VERIFY_PICTURE),
+    verify_options("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
     PACK_OPTIONS,

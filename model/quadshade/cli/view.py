@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import TitledCommand, add_options, complete_file, option
-from quadshade.cli.port_options import port_options, with_board
+from quadshade.cli.options import TitledCommand, add_options, complete_file, is_given, option
+from quadshade.cli.port_options import TITLE, port_options, with_board
+from quadshade.cli.scene_options import VERIFY_BOARD, verify_options
 from quadshade.cli.terminal import reporting
 from quadshade.errors import QuadshadeError
 
@@ -56,6 +57,7 @@ def _address(text: str) -> tuple[str, int]:
         option("Page", "--open/--no-open", "opens", default=True, show_default=True, help="Open a browser."),
     ],
     port_options("Draw every picture that stays for a moment on a board as well"),
+    verify_options(TITLE, VERIFY_BOARD, "crc"),
 )
 def view(scene: str, listen: str, opens: bool, size: str | None, **options: Any) -> None:
     """
@@ -85,6 +87,8 @@ def view(scene: str, listen: str, opens: bool, size: str | None, **options: Any)
     width, height = parse_size(size or "512x512")
     state = ViewState.read({"width": width, "height": height})
     options = with_board(options)
+    if options["port"] is None and is_given("verify"):
+        raise QuadshadeError("--verify is for a board", "give --port as well")
     keywords = {name: options.pop(name) for name in ("material", "crease", "cull")}
     words = [f"--{name}={keywords[name]}" for name in ("material", "crease") if keywords[name]]
     words += [] if keywords["cull"] else ["--no-cull"]
@@ -103,7 +107,7 @@ def view(scene: str, listen: str, opens: bool, size: str | None, **options: Any)
                 trace=options["trace"],
                 notice=reports.notice,
             )
-            board = ViewedBoard(stack.enter_context(opened), viewed)
+            board = ViewedBoard(stack.enter_context(opened), viewed, options["verify"])
         server = ViewServer(viewed, state, board)
         asyncio.run(_serve(server, host, port, opens))
 

@@ -14,7 +14,6 @@ from quadshade.cli.options import GENERICS_EPILOG, TitledCommand, add_options, i
 from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
-    VERIFY_ERROR,
     scene_options,
     setup_options,
     shading_options,
@@ -33,7 +32,7 @@ FOR_FILES = ("scene", "output", "generics", "setup", "rounding", "stepping", "st
     scene_options(),
     shading_options(BOARD_SHADINGS),
     ERROR_OPTIONS,
-    verify_option("Accuracy", VERIFY_ERROR),
+    verify_option(),
     setup_options(),
     GENERIC_OPTIONS,
     [output_option("Where the words go: words.hex, .mem, .bin, .c or .vhd.")],

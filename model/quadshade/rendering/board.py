@@ -14,7 +14,7 @@ from quadshade.board import Board, BoardSettings
 from quadshade.board.engines import board_engine
 from quadshade.board.large_screen import large_screen_notice
 from quadshade.board.settings import board_settings
-from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error
+from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error, parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -31,6 +31,13 @@ from quadshade.shading import UnsuitedError, specular_formats
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
+
+VERIFIED = {
+    "picture": ", as the golden model predicts",
+    "crc": ", with the CRC of the golden model's picture, which this is",
+    "none": "",
+}
+"""What a summary says of each of ``choices.VERIFIES``."""
 
 
 def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) -> None:
@@ -158,7 +165,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     note = adapt_note(shaded)
     summary = (
         f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
-        + (", as the golden model predicts" if port.verify else "")
+        + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + _packing_note(pack_error)
         + note

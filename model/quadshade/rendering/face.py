@@ -51,7 +51,7 @@ def render(
     max_error: float | None = None,
     budget: str | int | tuple[int, str] | None = None,
     error_measure: str | None = None,
-    verify: bool = True,
+    verify: bool | str = True,
     style: str = "none",
     edges: str | Sequence[str] | None = None,
     edge_variant: str = "diagonal",
@@ -127,9 +127,10 @@ def render(
       that; a number is bytes.
     error_measure : str, optional
       ``max`` (the default) or ``rms``: what the two mean by error.
-    verify : bool
-      Compare what was drawn for a largest error with Phong shading, and what a board shows with the golden
-      model.
+    verify : bool or str
+      ``picture`` (True), ``crc`` or ``none`` (False). Compare what was drawn for a largest error with Phong
+      shading, and what a board shows with the golden model: pixel by pixel, or by its CRC alone, and then the
+      picture is the model's.
     style : str
       ``none``, ``cartoon``, ``gooch`` or ``hatch``.
     edges : str or sequence of str, optional

@@ -32,12 +32,14 @@ from quadshade.choices import (
     STEPPINGS,
     STYLES,
     SUPERSAMPLES,
+    VERIFIES,
     check_word,
     parse_budget,
     parse_faults,
     parse_limit,
     parse_lod,
     parse_pack_error,
+    parse_verify,
 )
 from quadshade.contract.formats import Formats, parse_generics
 from quadshade.errors import QuadshadeError
@@ -184,7 +186,7 @@ class AdaptChoice:
     max_error: float | None = None
     budget: str | int | tuple[int, str] | None = None
     error_measure: str | None = None
-    verify: bool = True
+    verify: bool | str = True
 
     def __post_init__(self) -> None:
         if self.error_measure is not None:
@@ -195,6 +197,11 @@ class AdaptChoice:
                 )
         if self.budget is not None:
             parse_budget(self.budget)
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether every pixel is compared with Phong shading."""
+        return parse_verify(self.verify) != VERIFIES[-1]
 
     @property
     def is_adaptive(self) -> bool:
@@ -215,7 +222,7 @@ class AdaptChoice:
         """Arguments of :func:`quadshade.adapt.adapt`."""
         number, unit = self.number_and_unit
         limits = {"max_error": self.max_error, "budget": number, "unit": unit}
-        return limits | {"measure": self.measure, "verify": self.verify}
+        return limits | {"measure": self.measure, "verify": self.is_verified}
 
 
 @dataclass(frozen=True)
@@ -309,13 +316,15 @@ class PortChoice:
     timeout: float | None = None
     trace: Callable[[str], None] | None = None
     pack_error: float | None = None
-    verify: bool = True
+    verify: bool | str = True
 
     def __post_init__(self) -> None:
         if self.port is None:
             for name in ("baud", "faults", "timeout", "trace", "pack_error"):
                 if getattr(self, name) is not None:
                     raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
+            if parse_verify(self.verify) == "crc":
+                raise QuadshadeError("--verify crc is for a board", "give --port as well")
         if self.is_open and (self.baud or self.faults or self.timeout or self.trace):
             raise QuadshadeError(
                 "the board is open, with its baud, faults, timeout and trace", "leave them out"
@@ -323,6 +332,7 @@ class PortChoice:
         if self.faults is not None:
             parse_faults(self.faults)
         parse_pack_error(self.added_error)
+        parse_verify(self.verify)
 
     @property
     def is_simulated(self) -> bool:

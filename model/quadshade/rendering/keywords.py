@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from quadshade.choices import VERIFIES
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 
@@ -112,7 +113,7 @@ CALLABLE = Kind(callable, "a function")
 KINDS = (
     dict.fromkeys(("exponent", "smoothness", "jump", "crease", "max_error", "timeout"), NUMBER)
     | dict.fromkeys(("toon", "supersample", "baud"), COUNT)
-    | dict.fromkeys(("cull", "verify"), SWITCH)
+    | dict.fromkeys(("cull",), SWITCH)
     | dict.fromkeys(("gbuffer", "waves"), FILE)
     | {
         "engine": WORD,
@@ -132,6 +133,10 @@ KINDS = (
         "budget": Kind(_is_budget, "a text as 20000bytes, a whole number, or both as a pair"),
         "edges": Kind(lambda value: _is_text(value) or _is_row(value, _is_text), "profile, inner, or both"),
         "edge_colours": Kind(_are_colours, "a mapping of a kind to three numbers, or texts"),
+        "verify": Kind(
+            lambda value: _is_switch(value) or _is_text(value),
+            f"True, False, or one of {', '.join(VERIFIES)}",
+        ),
         "faults": Kind(_is_rate, "a rate, or a rate and a seed"),
         "port": Kind(_is_port, "a port's name or URL, an open serial object, or a Board"),
     }

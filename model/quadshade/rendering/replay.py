@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.board import BoardSettings
+from quadshade.choices import VERIFIES, parse_verify
 from quadshade.packing.frame_file import read_frame_file
 from quadshade.rendering.board import opened
 from quadshade.rendering.groups import EngineChoice, PortChoice
@@ -64,6 +65,6 @@ def replay_on_board(
     frame = read_frame_file(path)
     settings = BoardSettings(frame.formats, frame.width, frame.height) if port.is_simulated else None
     with opened(port, settings, engine, reports) as board:
-        board.replay(frame, verify=port.verify)
+        board.replay(frame, verify=parse_verify(port.verify) != VERIFIES[-1])
         picture = board.read(verify=port.verify) if read else None
         return Replayed(picture, frame.triangles, board.statistics)

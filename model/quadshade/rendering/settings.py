@@ -195,7 +195,7 @@ class RenderSettings:
                 f"give --fit {' or '.join(ADAPTIVE_FITS)}",
             )
         if self.scene.fit != ADAPTIVE_FITS[0] and (
-            self.adapt.measure != MEASURES[0] or not self.adapt.verify
+            self.adapt.measure != MEASURES[0] or not self.adapt.is_verified
         ):
             raise QuadshadeError(
                 f"--fit {self.scene.fit} with --error-measure rms or --no-verify", "leave one of them out"

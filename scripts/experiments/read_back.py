@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bytes on the line until the host has a board's picture, or knows its CRC; writes docs/reports/readback.md.
+
+The golden model of a board draws every scene, and the line's bytes are counted both ways.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+import quadshade
+from quadshade.board import Board, BoardSettings
+from quadshade.choices import VERIFIES
+from quadshade.files.markdown import markdown_table
+from quadshade.rendering.settings import Reports
+from scripts.experiments.report_writer import LICENCE, REPORTS, output_option, write_report
+from scripts.one_line_errors import one_line_errors
+
+REPORT = REPORTS / "readback.md"
+WIDTH, HEIGHT = 320, 240
+SCENES = ("sphere:690", "sphere:168", "torus:1152", "examples/part.stl", "examples/pawn.obj")
+PLANES = ("colour", "depth", "edges_diagonal")
+BITS_OF_A_BYTE, BAUD = 10, 1_000_000
+HEADER = ("scene", "plane", "the plane", *(f"`--verify {word}`" for word in VERIFIES[:2]), "fewer", "ms")
+
+
+def measure(scene: str, size: tuple[int, int] = (WIDTH, HEIGHT)) -> list[dict]:
+    """Bytes of every plane of a scene on a board of that size: of its own, and on the line by every way."""
+    settings = BoardSettings(screen_width=size[0], screen_height=size[1]).with_generics({"with_edge_map": 1})
+    reports = Reports(notice=lambda _: None)
+    rows = []
+    with Board("sim", settings=settings, engine="model", notice=reports.notice) as board:
+        for edges in (None, "profile,inner"):
+            quadshade.render(scene, size=size, port=board, edges=edges, verify="crc", reports=reports)
+            for plane in PLANES[2:] if edges else PLANES[:2]:
+                row: dict = {"scene": scene, "plane": plane}
+                for verify in VERIFIES[:2]:
+                    before = board.statistics
+                    row["plane_bytes"] = board.read_plane(plane, verify=verify).nbytes
+                    after = board.statistics
+                    ways = [int(after[name] - before[name]) for name in ("bytes_sent", "bytes_received")]
+                    row[verify], row[f"{verify}_most"] = sum(ways), max(ways)
+                rows.append(row)
+    return rows
+
+
+def milliseconds(count: int) -> float:
+    """How long bytes take at ``BAUD``."""
+    return 1000 * count * BITS_OF_A_BYTE / BAUD
+
+
+def report(rows: list[dict], size: tuple[int, int] = (WIDTH, HEIGHT)) -> str:
+    """The report's text."""
+    table = markdown_table(
+        HEADER,
+        [
+            (
+                row["scene"].rpartition("/")[2],
+                row["plane"],
+                row["plane_bytes"],
+                row["picture"],
+                row["crc"],
+                f"{row['picture'] / row['crc']:.0f} times",
+                ", ".join(f"{milliseconds(row[f'{word}_most']):.1f}" for word in VERIFIES[:2]),
+            )
+            for row in rows
+        ],
+    )
+    return f"""\
+{LICENCE}
+# Bytes on the line of what is read back
+
+Written by `make readback`; {size[0]}x{size[1]}. Each plane's own bytes; then everything on the line, both
+ways: requests, answers, framing, and the STATUS that says that the board was not reset meanwhile. *ms* is
+how long these bytes take at 1 Mbaud, by both ways, in the direction that has more.
+
+{table}
+"""
+
+
+@click.command(help=__doc__)
+@click.option("--scene", "scenes", multiple=True, default=SCENES, show_default=True, help="Repeatable.")
+@output_option(REPORT)
+@one_line_errors(REPORT.stem)
+def main(scenes: tuple[str, ...], output: Path) -> None:
+    text = report([row for scene in scenes for row in measure(scene)])
+    write_report(output, text)
+    click.echo(text, nl=False)
+
+
+if __name__ == "__main__":
+    main()
