@@ -6,7 +6,7 @@ from __future__ import annotations
 import ast
 import functools
 import hashlib
-import random
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -120,6 +120,8 @@ class Mutant:
       Where it is.
     where : str
       The function that it is in, with its class; empty at module level.
+    place : str
+      Names the place by what stands there: another one elsewhere in the file leaves it as it is.
     """
 
     path: str
@@ -128,6 +130,7 @@ class Mutant:
     line: int
     column: int
     where: str
+    place: str
 
     @property
     def key(self) -> str:
@@ -167,6 +170,20 @@ def _places(tree: ast.Module) -> tuple[dict[int, str], list[tuple[tuple[int, int
     return functions, spans
 
 
+def _named(
+    positions: set[tuple[int, int]], source: str, functions: dict[int, str]
+) -> dict[tuple[int, int], str]:
+    """A name of each place: function, line and column in it, and of those alike the how many-th."""
+    lines, alike, names = source.splitlines(), Counter[str](), {}
+    for line, column in sorted(positions):
+        text = lines[line - 1]
+        within = column - len(text) + len(text.lstrip())
+        name = f"{functions.get(line, '')}: {text.strip()}: {within}"
+        alike[name] += 1
+        names[line, column] = f"{name}: {alike[name]}"
+    return names
+
+
 def mutants_of(path: Path, package: Path) -> list[Mutant]:
     """
     All mutants of a file.
@@ -188,9 +205,13 @@ def mutants_of(path: Path, package: Path) -> list[Mutant]:
         positions = [start for node in nodes for start, _ in operator.mutation_positions(node)]
         for occurrence, start in enumerate(positions):
             if not any(first <= start <= last for first, last in left_out):
-                where = functions.get(start[0], "")
-                found.append(Mutant(str(path.relative_to(package)), name, occurrence, *start, where))
-    return found
+                found.append((name, occurrence, start))
+    names = _named({start for _, _, start in found}, source, functions)
+    inner = str(path.relative_to(package))
+    return [
+        Mutant(inner, name, occurrence, *start, functions.get(start[0], ""), names[start])
+        for name, occurrence, start in found
+    ]
 
 
 def mutated(mutant: Mutant, source: str) -> str:
@@ -222,7 +243,8 @@ def sample(mutants: dict[str, list[Mutant]], count: int, seed: int) -> list[Muta
     A random sample, in which each file has the share that it has of all places.
 
     A place is where something is changed; of the changes that can be made there, one is drawn. So an operator
-    with many replacements does not crowd out others.
+    with many replacements does not crowd out others. A file's places have an order of their own, by a hash,
+    and the first are drawn: where a file's share changes by one, one place comes or goes.
 
     Parameters
     ----------
@@ -238,12 +260,17 @@ def sample(mutants: dict[str, list[Mutant]], count: int, seed: int) -> list[Muta
     list of Mutant
       In random order, so that its first part is a sample as well.
     """
+
+    def rank(of_place: list[Mutant], *more: object) -> bytes:
+        text = "\0".join(map(str, (seed, of_place[0].path, of_place[0].place, *more)))
+        return hashlib.sha256(text.encode()).digest()
+
     places: dict[str, list[list[Mutant]]] = {}
     for path, of_file in sorted(mutants.items()):
-        at: dict[tuple[int, int], list[Mutant]] = {}
+        at: dict[str, list[Mutant]] = {}
         for mutant in of_file:
-            at.setdefault((mutant.line, mutant.column), []).append(mutant)
-        places[path] = list(at.values())
+            at.setdefault(mutant.place, []).append(mutant)
+        places[path] = sorted(at.values(), key=rank)
     total = sum(map(len, places.values()))
     count = min(count, total)
     shares = {path: count * len(of_file) / total for path, of_file in places.items()}
@@ -251,9 +278,8 @@ def sample(mutants: dict[str, list[Mutant]], count: int, seed: int) -> list[Muta
     by_remainder = sorted(shares, key=lambda path: numbers[path] - shares[path])
     for path in by_remainder[: count - sum(numbers.values())]:
         numbers[path] += 1
-    drawn = []
-    for path, of_file in places.items():
-        # A file's own generator: a change of one file leaves the others' mutants as they are.
-        of_path = random.Random(f"{seed} {of_file[0][0].path}" if of_file else seed)
-        drawn += [of_path.choice(place) for place in of_path.sample(of_file, numbers[path])]
-    return sorted(drawn, key=lambda mutant: hashlib.sha256(f"{seed} {mutant.key}".encode()).digest())
+    drawn = [of_place for path, of_file in places.items() for of_place in of_file[: numbers[path]]]
+    return [
+        min(enumerate(of_place), key=lambda numbered: rank(of_place, numbered[1].operator, numbered[0]))[1]
+        for of_place in sorted(drawn, key=rank)
+    ]
