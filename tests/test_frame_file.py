@@ -23,6 +23,7 @@ from quadshade.golden.board import BoardModel
 from quadshade.link.planes import read_picture
 from quadshade.link.session import Session
 from quadshade.link.transport import MemoryTransport
+from quadshade.packing.frame_dump import packet_lines, summary_lines
 from quadshade.packing.frame_file import (
     GENERICS,
     MAGIC,
@@ -38,6 +39,7 @@ from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import pack
 from quadshade.shading import sample
 from quadshade.shading.specular import sample_specular, specular_formats
+from tests.support.setup_reference import screen_triangles
 
 WIDTH, HEIGHT = 40, 30
 
@@ -150,6 +152,9 @@ STATES = [(b"STAT", struct.pack("<3I", 64, 1, 2)), (b"STAT", struct.pack("<2I", 
 @given(HEADS, st.lists(st.tuples(KINDS, CONTENTS), max_size=4), ENDS)
 @example(SOUND_HEAD, [], bytes(12))
 @example(SOUND_HEAD, STATES, struct.pack("<3I", 0, 8, 9))
+@example(SOUND_HEAD, [(b"NONE", bytes(8))], bytes(12))
+@example(SOUND_HEAD, [(b"TRIS", bytes(6))], bytes(12))
+@example(SOUND_HEAD, [(b"STAT", b"")], bytes(12))
 def test_sound_blocks_raise_no_other_error(
     head: bytes, between: list[tuple[bytes, bytes]], end: bytes
 ) -> None:
@@ -212,6 +217,55 @@ def test_pack_and_dump(tmp_path: Path) -> None:
     assert said.startswith(short)
     assert short.count("packet ") == 2
     assert "colour value below " in short and "depth d_row top " in short and ", y " in short
+
+
+def numbers_in(line: str) -> dict[str, float]:
+    """What stands behind the colon of a line of a dump."""
+    parts = [part.rsplit(" ", 1) for part in line.split(": ", 1)[1].split(", ")]
+    return {name: float(number) for name, number in parts}
+
+
+@pytest.mark.parametrize("with_depth", [0, 1])
+def test_a_dump_says_what_was_set_up(with_depth: int, rng: np.random.Generator) -> None:
+    """Every number of every packet, read back from the text, against the primitives that were packed."""
+    formats = Formats(with_depth=with_depth)
+    triangles = screen_triangles(
+        rng.integers(-30 * 256, 90 * 256, (40, 3, 2)), formats, 60, 50, rng.uniform(0, 255, (40, 3, 6))
+    )
+    triangles.orders = rng.integers(0, 3, (40, 3))
+    if with_depth:
+        triangles.depth = rng.uniform(0, 65535, (40, 3))
+    frame, batch = pack_frame(triangles, formats)
+    drawn, header = batch.primitives, batch.primitives.header
+    line, unpacked = line_bytes(batch.words), pack(drawn, formats).nbytes
+    assert list(summary_lines(frame, "name"))[1] == (
+        f"packed: {batch.words.nbytes} bytes, {line} on the line, {line / frame.triangles:.1f} a triangle;"
+        f" as set-up words {unpacked}"
+    )
+    lines = iter([line for line in packet_lines(frame) if not line.startswith("  widths: ")])
+    for index in range(len(drawn)):
+        start, end = batch.starts[index : index + 2].tolist()
+        assert next(lines).startswith(f"packet {index}: bits {start} to {end - 1}, {end - start} bits, ")
+        second = int(header["has_second"][index])
+        rows = [int(header[name][index]) for name in ("rows_first", "rows_second")[: 1 + second]]
+        flags = [name for name in ("mirror", "fractional") if header[name][index]]
+        text = [f"y {header['y'][index]}", f"rows {' + '.join(map(str, rows))}", *flags]
+        assert next(lines).strip().split(", ") == text
+        for name in ("major", "minor", "second")[: 2 + second]:
+            line = next(lines)
+            assert line.startswith(f"  {name}: ")
+            assert numbers_in(line) == {part: v[index] for part, v in drawn.edges[name].items()}
+        for channel, frac_bits in enumerate(formats.channel_frac_bits):
+            line, order = next(lines), int(drawn.orders[index, channel])
+            name = f"channel {channel}" if channel < 3 else "depth"
+            assert line.startswith(f"  {name}, {('constant', 'linear', 'quadratic')[order]}: ")
+            names = ("value", "d_row", "d_col", "dd_row", "dd_mixed", "dd_col")[: (1, 3, 6)[order]]
+            values = drawn.words[index, channel] / 2.0**frac_bits
+            assert numbers_in(line) == {
+                name: float(f"{value:g}") for name, value in zip(names, values, strict=False)
+            }
+    assert next(lines, None) is None
+    assert header["mirror"].any() and header["has_second"].any() and (header["y"] > 0).any()
 
 
 def test_exact_packing_draws_what_render_draws(tmp_path: Path) -> None:

@@ -4,24 +4,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from quadshade.choices import PACK_ERROR
 from quadshade.contract.formats import Formats
+from quadshade.contract.packed_format import packed_fields
 from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.packing.pack import pack_primitives, unpack
+from quadshade.packing.widths import Needs, hold
 from quadshade.scene import load_scene, parse_camera, project
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
 from quadshade.shading.specular import sample_specular, specular_formats
+from tests.support.setup_reference import screen_triangles
 
 FORMATS = [
     Formats(),
@@ -130,6 +136,69 @@ def test_bytes_of_a_triangle(camera: str, shading: str, most: int) -> None:
     primitives, formats, state = scene("sphere:690", camera, shading)
     batch = pack_primitives(primitives, formats, PACK_ERROR, state)
     assert 20 < 4 * len(batch.words) / len(np.unique(primitives.triangle)) < most
+
+
+def test_no_width_is_beyond_its_field() -> None:
+    """Over the border of a screen of the full size too, where a column is one more than its bits can say."""
+    formats = Formats(num_channels=1, coord_bits=6)
+    corners = np.array([[[3000, 200], [40 * 256, 60 * 256], [80 * 256, 300]]])
+    triangles = screen_triangles(corners, formats, 64, 64, order=0)
+    primitives = setup_triangles(triangles, formats)
+    assert max(edge["column"].max() for edge in primitives.edges.values()) == 64
+    unpacker, packets = WordUnpacker(formats), 0
+    for _ in unpacker.packets(pack_primitives(primitives, formats, 0.0).words):
+        packets += 1
+        for name, bits, address, _ in packed_fields(formats):
+            assert unpacker.widths[address] < bits, name
+    assert packets == len(primitives)
+
+
+CHANGE = 11
+"""Bits of a change of a width at the default formats: one, an address of five, a value of five."""
+
+
+def cheapest(need: list[int], count: list[int], below: list[int] | None) -> tuple[float, list[list[int]]]:
+    """
+    Fewest bits for one width over some packets, and every list of values that takes no more, by trying all.
+
+    With ``below`` it is a top: at least what a packet needs, a value's bits are those from ``below`` to it.
+    Without, it is the bits that are not sent: at most what a packet needs.
+    """
+    sending = [packet for packet, times in enumerate(count) if times]
+    found: dict[float, list[list[int]]] = {}
+    for values in product(range(max(need) + 1), repeat=len(sending)):
+        bits = sum(CHANGE for a, b in zip((None, *values), values, strict=False) if a != b)
+        for packet, value in zip(sending, values, strict=True):
+            if value < need[packet] if below else value > need[packet]:
+                break
+            bits += count[packet] * (len(range(below[packet], value + 1)) if below else -value)
+        else:
+            found.setdefault(bits, []).append(list(values))
+    return min(found), found[min(found)]
+
+
+PACKETS = st.lists(
+    st.tuples(st.integers(0, 4), st.sampled_from([0, 1, 3, 12]), st.integers(0, 6)), min_size=1, max_size=4
+).filter(lambda packets: any(count for _, count, _ in packets))
+
+
+@given(PACKETS)
+def test_widths_take_the_fewest_bits(packets: list[tuple[int, int, int]]) -> None:
+    """Of a difference's two widths, each against every choice that there is."""
+    need, count, below = (np.array(column)[:, None] for column in zip(*packets, strict=True))
+    sends = count[:, 0] > 0
+    held = hold(need, count, None, Formats())[:, 0]
+    assert held[sends].tolist() in cheapest(need[:, 0].tolist(), count[:, 0].tolist(), None)[1]
+    needs = Needs(len(packets), Formats())
+    for channel in range(12):
+        needs.difference(4, below[:, 0], need[:, 0], count[:, 0] > channel)
+    widths = needs.widths(Formats())
+    assert np.array_equal(widths[:, 4], below[:, 0])
+    needed = np.where(sends, need[:, 0], 0)
+    best = cheapest(needed.tolist(), count[:, 0].tolist(), below[:, 0].tolist())[1]
+    assert widths[sends, 5].tolist() in best
+    # Nothing else was asked for.
+    assert not np.delete(widths, [4, 5], axis=1).any()
 
 
 def test_gains_are_those_of_the_power() -> None:
