@@ -220,6 +220,37 @@ def test_a_stalled_board_keeps_commands_and_holds_answers(decoder: CommandDecode
     assert len(decoder.drawing.done) == 2
     assert parsed(decoder.finish_answer()) == [("ACK", 1, state(2), b"")]
     assert not decoder.sending and decoder.finish_answer() == b""
+    # While that one was held its credits were not told yet, so another is due.
+    decoder.holding = False
+    assert parsed(decoder.run()) == [("ACK", 1, state(2), b"")] and decoder.run() == b""
+
+
+def test_credits_are_told_when_a_quarter_is_free_again(decoder: CommandDecoder) -> None:
+    """Of 16 words: a command of four frees a quarter, one of three less."""
+    for number, (size, told) in enumerate([(12, [("ACK", 0, state(1), b"")]), (8, [])]):
+        decoder.stalled = True
+        waiting = ("ACK", number, state(number + 1, 16 - 1 - size // 4), b"")
+        assert said(decoder, (Opcode.TRIANGLES, number, bytes(size))) == [waiting]
+        decoder.stalled = False
+        assert parsed(decoder.run()) == told
+        assert decoder.fifo.free == 16
+
+
+def test_a_frame_one_byte_too_long_is_no_frame(decoder: CommandDecoder) -> None:
+    """Without its last byte it would be one that does not fit into the FIFO."""
+    longest = body(Opcode.TRIANGLES, 0, bytes(MAX_BODY - 8))
+    assert decoder.feed(encode_line(longest + b"\1")) == b""
+    assert decoder.counts == {"bad_length": 1}
+    assert parsed(decoder.feed(encode_line(longest)))[0][2]["reason"] == Reason.NO_ROOM
+
+
+def test_every_word_of_a_long_frame_is_executed(decoder: CommandDecoder) -> None:
+    """A length of more than a byte."""
+    decoder = CommandDecoder(decoder.identity | {"fifo_words": 512}, Recorder())
+    words = list(range(1, 71))
+    payload = b"".join(word.to_bytes(4, "little") for word in words)
+    assert said(decoder, (Opcode.TRIANGLES, 0, payload))[0] == ("ACK", 0, state(1, 512 - 71), b"")
+    assert decoder.drawing.done == [("triangles", *words)]
 
 
 def test_frames_stay_whole_in_the_fifo() -> None:

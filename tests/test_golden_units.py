@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import deque
 from fractions import Fraction
+from itertools import product
 from math import floor
 
 import numpy as np
@@ -19,6 +20,7 @@ from quadshade.golden.common.skid_buffer import SkidBuffer
 from quadshade.golden.core.edge_dda import EdgeDda, signed
 from quadshade.golden.core.edge_walker import Scanline, walk_edges
 from quadshade.golden.core.lane_handshake import LaneHandshake, LaneInputs
+from quadshade.golden.core.load_adder import load_adder
 from quadshade.golden.core.output_clamp import output_clamp
 from quadshade.golden.core.pixel_channel import PixelChannel
 from quadshade.golden.core.scanline_channel import ScanlineChannel
@@ -35,6 +37,13 @@ def test_clamp_is_floor_then_clamp_for_every_word(width: int, frac: int, bits: i
         exact = floor(Fraction(value, 1 << frac))
         expected = max(0, min(exact, (1 << bits) - 1))
         assert output_clamp(value % (1 << width), width, frac, bits) == expected, value
+
+
+def test_load_adder_starts_or_steps_for_every_word() -> None:
+    for value, step, carry in product(range(8), range(8), range(2)):
+        assert load_adder(0, 5, value, step, 3, carry) == (value + step + carry) % 8
+        assert load_adder(1, 5, value, step, 3, carry) == 5
+    assert load_adder(0, 5, 7, 2, 3) == 1
 
 
 @given(st.integers(0, 255), st.integers(0, 255), st.integers(0, 255), st.integers(0, 40))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import zlib
+from itertools import combinations_with_replacement
 
 import pytest
 from cobs import cobs
@@ -102,3 +103,21 @@ def test_breaks_and_framing_errors() -> None:
     # A break is seen once, however long, and a character after it is taken.
     character = [level for value in [0, *[1] * 8, 1] for level in [value] * bit]
     assert received([0] * (bit * 100) + [1] * bit + character, step) == ([255], 1, 1)
+
+
+def test_a_bit_is_the_majority_of_three_samples() -> None:
+    """At eight clocks a bit: the two disturbed clocks that change a bit are any two of three in its middle."""
+    step, sent = (1 << PHASE_BITS) // 8, 0b01101001
+    levels = [0, *(sent >> place & 1 for place in range(8)), 1]
+    clean = [1] * 8 + [level for level in levels for _ in range(8)] + [1] * 8
+    for bit in range(8):
+        first, changing = 8 + 8 * (bit + 1), []
+        for pair in combinations_with_replacement(range(-1, 9), 2):
+            line = list(clean)
+            for place in set(pair):
+                line[first + place] ^= 1
+            data, errors, breaks = received(line, step)
+            assert (errors, breaks) == (0, 0) and data in ([sent], [sent ^ 1 << bit])
+            changing += [pair] if data != [sent] else []
+        low = changing[0][0]
+        assert changing == [(low, low + 1), (low, low + 2), (low + 1, low + 2)] and low in (2, 3)
