@@ -31,7 +31,11 @@ from quadshade.setup.edges import EdgeState, Head
 
 
 class Frame(NamedTuple):
-    """u and v of the first pixel, of the row step p and of the column step q, each over its denominator."""
+    """
+    u and v of the first pixel, of the row step p and of the column step q, each over its denominator.
+
+    A denominator may be negative.
+    """
 
     u0: int
     v0: int
@@ -74,10 +78,8 @@ def lattice_frame(corners: Ints, head: Head, major: EdgeState, pixel: int, fract
     x2, y2 = corners[1, 0] - x1, corners[1, 1] - y1
     x3, y3 = corners[2, 0] - x1, corners[2, 1] - y1
     area = x2 * y3 - x3 * y2
-    sign = 1 if area > 0 else -1
-    along = -sign if head.mirror else sign
-    den = sign * area
-    qu, qv = along * pixel * y3, -along * pixel * y2
+    along = -pixel if head.mirror else pixel
+    qu, qv = along * y3, -along * y2
     y = pixel * (2 * head.y + 1)
     if fractional and head.major_top >= 0:
         # The major edge runs between two corners, where u and v are 0 or 1.
@@ -88,13 +90,13 @@ def lattice_frame(corners: Ints, head: Head, major: EdgeState, pixel: int, fract
         change_v = int(bottom == 2) - int(top == 2)
         u0 = (top == 1) * 2 * height + down * change_u
         v0 = (top == 2) * 2 * height + down * change_v
-        return Frame(u0, v0, 2 * height, pixel * change_u, pixel * change_v, height, qu, qv, den)
+        return Frame(u0, v0, 2 * height, pixel * change_u, pixel * change_v, height, qu, qv, area)
     column = -1 - major.column if head.mirror else major.column
     step = -major.step if head.mirror else major.step
     x, y = pixel * (2 * column + 1) - 2 * x1, y - 2 * y1
-    u0, v0 = sign * (x * y3 - y * x3), sign * (x2 * y - y2 * x)
-    pu, pv = sign * pixel * (step * y3 - x3), sign * pixel * (x2 - step * y2)
-    return Frame(u0, v0, 2 * den, pu, pv, den, qu, qv, den)
+    u0, v0 = x * y3 - y * x3, x2 * y - y2 * x
+    pu, pv = pixel * (step * y3 - x3), pixel * (x2 - step * y2)
+    return Frame(u0, v0, 2 * area, pu, pv, area, qu, qv, area)
 
 
 @njit(cache=True, error_model="numpy")

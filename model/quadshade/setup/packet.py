@@ -118,18 +118,20 @@ def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndar
 
 @njit(cache=True)
 def _put_field(out: Words32, at: Ints, rows: Ints, raw: Ints, offset: int, width: int) -> None:
-    """Write the raw values of one bit field into the zeroed packets of some rows, from words ``at`` on."""
+    """
+    Write the raw values of one bit field into the zeroed packets of some rows, from words ``at`` on.
+
+    No field has more than 32 bits, so it lies in two words at most.
+    """
     first, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
     mask = np.uint64((1 << width) - 1)
-    touched = (offset % SETUP_WORD_BITS + width + SETUP_WORD_BITS - 1) // SETUP_WORD_BITS
+    goes_on = offset % SETUP_WORD_BITS + width > SETUP_WORD_BITS
     for row in rows:
         value = np.uint64(raw[row]) & mask
         place = at[row] + first
         out[place] |= np.uint32(value << shift)
-        if touched > 1:
+        if goes_on:
             out[place + 1] |= np.uint32(value >> (np.uint64(SETUP_WORD_BITS) - shift))
-        if touched > 2:
-            out[place + 2] |= np.uint32(value >> (np.uint64(2 * SETUP_WORD_BITS) - shift))
 
 
 class _Layout(NamedTuple):
