@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from quadshade.contract.formats import Formats
 from quadshade.golden.board import DrawnScreen
 from quadshade.golden.link.word_unpacker import WordUnpacker
-from quadshade.golden.screen.plane_reader import COLOUR
+from quadshade.golden.screen.plane_reader import COLOUR, DEPTH
+from quadshade.golden.screen.screen import Screen
 from quadshade.packing.pack import pack_primitives
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
@@ -24,12 +27,14 @@ def flat_triangles(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np
     return rng.integers(-20, 60, (count, 3, 2)), rng.integers(1, 256, (count, 3))
 
 
-def packed(vertices: np.ndarray, colours: np.ndarray) -> tuple[list[int], np.ndarray]:
+def packed(
+    vertices: np.ndarray, colours: np.ndarray, formats: Formats = FORMATS
+) -> tuple[list[int], np.ndarray]:
     """Packed words of triangles of one colour each, and the set-up words that they stand for."""
     samples = np.repeat(colours[:, :, None], 6, axis=2).astype(float)
-    triangles = screen_triangles(vertices, FORMATS, *SIZE, samples, order=0)
-    primitives = setup_triangles(triangles, FORMATS)
-    return pack_primitives(primitives, FORMATS, 0.0).words.tolist(), pack(primitives, FORMATS)
+    triangles = screen_triangles(vertices, formats, *SIZE, samples, order=0)
+    primitives = setup_triangles(triangles, formats)
+    return pack_primitives(primitives, formats, 0.0).words.tolist(), pack(primitives, formats)
 
 
 def painted(vertices: np.ndarray, colours: np.ndarray, background: list[int]) -> np.ndarray:
@@ -55,11 +60,13 @@ def test_words_are_unpacked_however_they_are_cut(rng: np.random.Generator) -> No
     assert unpacker.feed(words).tolist() == setup_words.tolist()
 
 
-def test_a_screen_shows_what_was_sent_so_far(rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("with_shade", [0, 1])
+def test_a_screen_shows_what_was_sent_so_far(with_shade: int, rng: np.random.Generator) -> None:
     """Words come in two parts, cut within a packet; a clear, and a reset between them."""
+    formats = replace(FORMATS, with_shade=with_shade)
     vertices, colours = flat_triangles(rng, 3)
-    words, _ = packed(vertices, colours)
-    screen = DrawnScreen(*SIZE, FORMATS)
+    words, _ = packed(vertices, colours, formats)
+    screen = DrawnScreen(*SIZE, formats)
     screen.clear(0x030201)
     screen.triangles(words[:2])
     screen.triangles(words[2:])
@@ -89,3 +96,8 @@ def test_state_is_kept_by_address(with_shade: int) -> None:
     screen.state(6, 7)
     screen.state(5, 9)
     assert screen.registers == before | {5: 9, 6: 7}
+
+
+def test_a_screen_has_sixteen_bits_of_depth_unless_told() -> None:
+    assert Screen(2, 1).plane(DEPTH).tolist() == [[[255, 255], [255, 255]]]
+    assert [Screen(2, 1, depth_bits=bits).depth_bytes for bits in (None, 8, 9, 16, 17)] == [0, 1, 2, 2, 3]

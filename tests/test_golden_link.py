@@ -83,6 +83,9 @@ def test_rates_up_to_a_quarter(step: int, good: bool) -> None:
 
 def test_areas_and_planes_within_reach() -> None:
     assert [Reach().holds(plane) for plane in range(5)] == [True, True, False, False, False]
+    one = {"x": 0, "y": 0, "width": 1, "pixels": 1}
+    sizes = [[n for n in range(9) if Reach(8, 4).holds_area(**one, count=n, plane=p)] for p in range(4)]
+    assert sizes == [[1, 2, 3], [1, 2], [], []]
     reach = Reach(8, 4, (3, 2, 2, 0))
     good = {"x": 6, "y": 3, "width": 2, "count": 6, "pixels": 2, "plane": 0}
     assert reach.holds_area(**good)

@@ -106,7 +106,7 @@ def test_breaks_and_framing_errors() -> None:
 
 
 def test_a_bit_is_the_majority_of_three_samples() -> None:
-    """At eight clocks a bit: the two disturbed clocks that change a bit are any two of three in its middle."""
+    """At eight clocks a bit: two disturbed clocks change a bit if they are two of three in its middle."""
     step, sent = (1 << PHASE_BITS) // 8, 0b01101001
     levels = [0, *(sent >> place & 1 for place in range(8)), 1]
     clean = [1] * 8 + [level for level in levels for _ in range(8)] + [1] * 8

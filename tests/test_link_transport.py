@@ -29,6 +29,9 @@ class Port:
             self.asked.append((name, value))
         super().__setattr__(name, value)
 
+    def set_low_latency_mode(self, on: bool) -> None:
+        self.asked.append(("low_latency", on))
+
     def send_break(self, seconds: float) -> None:
         self.asked.append(("break", seconds))
 
@@ -65,13 +68,15 @@ def test_a_read_waits_for_the_first_byte_only() -> None:
 
 def test_a_port_is_opened_so_that_a_read_does_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, object] = {}
+    port = Port()
 
-    def opened(port: str, **options: object) -> Port:
-        given.update(options, port=port)
-        return Port()
+    def opened(name: str, **options: object) -> Port:
+        given.update(options, port=name)
+        return port
 
     monkeypatch.setattr(serial, "serial_for_url", opened)
     SerialTransport("/dev/null", 123)
+    assert port.asked == [("low_latency", True)] and given["port"] == "/dev/null"
     assert given["timeout"] == 0 and given["baudrate"] == 123 and given["exclusive"] is True
     assert 0 < given["write_timeout"] <= 60
 
