@@ -7,7 +7,6 @@ import ast
 import json
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -77,11 +76,20 @@ def test_a_sample_is_repeated_and_keeps_each_files_share(tmp_path: Path) -> None
     assert len(drawn) == 12 == len({(mutant.path, mutant.line, mutant.column) for mutant in drawn})
     counts = [sum(mutant.path == name for mutant in drawn) for name in files]
     assert counts[0] < counts[1] and sum(counts) == 12
-    (tmp_path / "b.py").write_text(SOURCE)
-    fewer = sample(files | {"b.py": mutants_of(tmp_path / "b.py", tmp_path)}, 8, 1)
-    assert {mutant for mutant in fewer if mutant.path == "a.py"} <= set(
-        mutants_of(tmp_path / "a.py", tmp_path)
-    )
+
+
+def test_a_sample_stays_when_other_lines_change(tmp_path: Path) -> None:
+    """A larger share of a file adds to what was drawn of it; what is put above moves it and no more."""
+    (tmp_path / "a.py").write_text(SOURCE)
+    before = sample({"a.py": mutants_of(tmp_path / "a.py", tmp_path)}, 7, 1)
+    assert set(before) < set(sample({"a.py": mutants_of(tmp_path / "a.py", tmp_path)}, 9, 1))
+    above = "from __future__ import annotations\n\nimport quadshade\n\nLOWEST = -1\n"
+    (tmp_path / "a.py").write_text(SOURCE.replace("from __future__ import annotations\n", above))
+    after = mutants_of(tmp_path / "a.py", tmp_path)
+    drawn = sample({"a.py": after}, len({mutant.place for mutant in after}), 1)
+    kept = [mutant for mutant in drawn if "LOWEST" not in mutant.place]
+    found = [(mutant.operator, mutant.place, mutant.line - 4) for mutant in kept[: len(before)]]
+    assert found == [(mutant.operator, mutant.place, mutant.line) for mutant in before]
 
 
 RUN = """
@@ -169,7 +177,7 @@ def test_the_score_counts_what_can_be_noticed() -> None:
 
 
 def test_what_is_argued_is_still_there() -> None:
-    for entry in tomllib.loads(report.EQUIVALENT.read_text()).get("mutant", []):
+    for entry in report.argued():
         text = (ROOT / "model" / "quadshade" / entry["path"]).read_text()
         assert all(part in text for part in entry["old"].split(" / ")), entry
         assert len(entry["reason"].split()) > 4, entry

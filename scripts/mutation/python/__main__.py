@@ -14,16 +14,15 @@ import json
 import multiprocessing
 import os
 import sys
-import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import click
 
+from scripts.mutation.python.kept import PACKAGE, run_kept
 from scripts.mutation.python.mutants import Mutant, changed_lines, mutants_of, mutated, sample
-from scripts.mutation.python.report import EQUIVALENT, ROOT, write
+from scripts.mutation.python.report import PLACE, ROOT, argued, write
 
-PACKAGE = ROOT / "model" / "quadshade"
 BUILD = ROOT / "build" / "mutation"
 KNOWN = BUILD / "python.jsonl"
 
@@ -60,12 +59,13 @@ class Group:
 
     @property
     def digest(self) -> str:
-        """Of all files of tests."""
-        return digest(*((ROOT / name.split("::")[0]).read_bytes() for name in self.selected))
+        """Of all files of tests, and of which tests are run."""
+        contents = [(ROOT / name.split("::")[0]).read_bytes() for name in self.selected]
+        return digest(*contents, str(self.slow).encode())
 
 
 GROUPS = {
-    "packing": Group(("frame_file", "link_packing")),
+    "packing": Group(("frame_file", "link_packing", "setup_recorded")),
     "contract": Group(
         (
             "setup_packet",
@@ -91,6 +91,9 @@ GROUPS = {
             "golden_video",
             "link_golden",
             "link_limits",
+            "link_packing::test_what_is_unpacked_is_the_packets",
+            "link_packing::test_nothing_and_nonsense",
+            "frame_file::test_a_board_draws_what_the_file_says",
         )
     ),
     "setup": Group(
@@ -102,10 +105,8 @@ GROUPS = {
             "setup_choice",
             "setup_methods",
             "setup_words",
-            "setup_edges::test_winding_does_not_matter",
-            "setup_edges::test_fan_is_watertight",
-            "setup_edges::test_fewest_packets",
-            "setup_edges::test_coverage_of_any_triangle",
+            "setup_edges",
+            "setup_lattice",
         ),
         slow=0.7,
     ),
@@ -115,14 +116,9 @@ GROUPS = {
             "adapt_recorded",
             "adapt_highlight",
             "adapt_steps",
-            "adapt_curve::test_limits_are_round_numbers_a_few_per_cent_apart",
-            "adapt_choice::test_fits_reproduce_what_their_order_can",
-            "adapt_choice::test_fits_are_no_worse_than_sampling",
-            "adapt_choice::test_bend_bounds_quadratic_against_plane",
-            "adapt_choice::test_refusals",
-            "adapt_cosines::test_small_triangles_are_known_by_their_pixels",
-            "adapt_cosines::test_weighted_fits_reproduce_what_their_order_can",
-            "adapt_cosines::test_equal_extremes_are_less_than_the_mean_squares",
+            "adapt_curve",
+            "adapt_choice",
+            "adapt_cosines",
         ),
         more=("scene/subdivide.py", "scene/subdivide_loops.py"),
     ),
@@ -172,9 +168,6 @@ def sources(mutants: Sequence[Mutant]) -> dict[str, str]:
 
 def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> str:
     """Run tests on mutants of a package and note each result; why that could not be done."""
-    # Before anything imports numpy: a process of one thread can be forked.
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[variable] = "1"
     from scripts.mutation.python.runner import Session, run_session
 
     group = GROUPS[name]
@@ -204,7 +197,7 @@ def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> 
 
     modules = [path.removesuffix(".py").replace("/", ".") for path in (f"{name}/", *group.more)]
     interpreted = tuple(f"quadshade.{module}" for module in modules)
-    return run_session(ROOT, BUILD / f"python-{name}", interpreted, group.selected, group.slow, work)
+    return run_session(ROOT, BUILD / "python", interpreted, group.selected, group.slow, work)
 
 
 def _child(name: str, mutants: list[Mutant], terminal: int) -> None:
@@ -218,13 +211,18 @@ def _child(name: str, mutants: list[Mutant], terminal: int) -> None:
 
 
 def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
-    """The mutants of a package that nothing valid is known of."""
+    """The mutants of a package that nothing valid is known of; those that are argued are run once."""
     known, of_files = known_results(), sources(mutants)
-    tests = GROUPS[name].digest
+    tests, reasons = GROUPS[name].digest, {tuple(entry[part] for part in PLACE) for entry in argued()}
     left = []
     for mutant in mutants:
         result = known.get((mutant.key, of_files[mutant.path]))
-        if result is None or (result.state == "survived" and result.tests != tests):
+        is_known = result is not None and (
+            result.state != "survived"
+            or result.tests == tests
+            or (mutant.path, result.where, result.old, result.new) in reasons
+        )
+        if not is_known:
             left.append(mutant)
     return left
 
@@ -237,7 +235,24 @@ def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
     "--check", is_flag=True, help="Write no report; fail where a mutant survives that is not argued."
 )
 @click.option("--known", is_flag=True, help="Run nothing: write the report of what is known already.")
-def main(count: int, seed: int, only: tuple[str, ...], check: bool, known: bool) -> None:
+@click.option(
+    "--slow", type=float, help="Leave out tests that take more seconds; survivors are run again without."
+)
+@click.option("--kept", is_flag=True, help="Only mutants that the report says are killed: they must stay so.")
+def main(
+    count: int, seed: int, only: tuple[str, ...], check: bool, known: bool, slow: float | None, kept: bool
+) -> None:
+    # Before anything imports numpy: a process of one thread can be forked.
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[variable] = "1"
+    if kept:
+        run, alive = run_kept(count, seed)
+        for mutant in alive:
+            print(f"{mutant.path}:{mutant.line} {mutant.operator} is not killed any more")
+        print(f"mutation: {run - len(alive)} of {run} are killed again")
+        raise SystemExit(bool(alive))
+    for name, group in GROUPS.items() if slow else ():
+        GROUPS[name] = replace(group, slow=slow)
     BUILD.mkdir(parents=True, exist_ok=True)
     mutants = drawn(count, seed)
     for name in () if known else only or GROUPS:
@@ -257,8 +272,7 @@ def main(count: int, seed: int, only: tuple[str, ...], check: bool, known: bool)
         for result in results
         if result is not None
     ]
-    argued = tomllib.loads(EQUIVALENT.read_text()).get("mutant", [])
-    survivors = write(rows, argued, count=count, seed=seed, report=not check and not only)
+    survivors = write(rows, argued(), count=count, seed=seed, report=not check and not only)
     if check and survivors:
         raise SystemExit(f"mutation: {survivors} survived")
 

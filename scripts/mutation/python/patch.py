@@ -50,10 +50,10 @@ def _plain_function(value: object) -> FunctionType | None:
     return None
 
 
-def caches_of(package: str) -> list[functools._lru_cache_wrapper[object]]:
-    """The caches that functions of a package have."""
+def caches_of(packages: tuple[str, ...]) -> list[functools._lru_cache_wrapper[object]]:
+    """The caches that functions of packages have."""
     caches = [value for value in gc.get_objects() if isinstance(value, functools._lru_cache_wrapper)]
-    return [cache for cache in caches if (cache.__module__ or "").startswith(package)]
+    return [cache for cache in caches if (cache.__module__ or "").split(".")[0] in packages]
 
 
 def patch(

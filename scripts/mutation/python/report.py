@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -21,6 +22,12 @@ NUMBERS = ROOT / "docs" / "reports" / "mutation_python.json"
 PLACE = ("path", "where", "old", "new")
 
 
+def argued() -> list[dict[str, str]]:
+    """Survivors that a reader found equivalent, each with a reason."""
+    entries: list[dict[str, str]] = tomllib.loads(EQUIVALENT.read_text()).get("mutant", [])
+    return entries
+
+
 def _counts(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Of some mutants: how many were killed, are equivalent, and survived."""
     states = Counter(row["state"] for row in rows)
@@ -35,7 +42,7 @@ def _counts(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def numbers(
-    rows: Sequence[dict[str, Any]], argued: Sequence[dict[str, str]], count: int, seed: int
+    rows: Sequence[dict[str, Any]], reviewed: Sequence[dict[str, str]], count: int, seed: int
 ) -> dict[str, Any]:
     """
     All numbers of the report.
@@ -44,7 +51,7 @@ def numbers(
     ----------
     rows : sequence of dict
       A mutant each.
-    argued : sequence of dict
+    reviewed : sequence of dict
       Those that a reader found equivalent, with a reason.
     count, seed : int
       Of the sample.
@@ -54,7 +61,7 @@ def numbers(
     dict
       What JSON can hold.
     """
-    reasons = {tuple(entry[name] for name in PLACE): entry["reason"] for entry in argued}
+    reasons = {tuple(entry[name] for name in PLACE): entry["reason"] for entry in reviewed}
     mutants = []
     for row in rows:
         mutant = {"path": row["key"].split(":")[0], "operator": row["key"].split(":")[1]} | {
@@ -141,10 +148,10 @@ def section(content: dict[str, Any] | None = None) -> str:
 
 
 def write(
-    rows: Sequence[dict[str, Any]], argued: Sequence[dict[str, str]], count: int, seed: int, report: bool
+    rows: Sequence[dict[str, Any]], reviewed: Sequence[dict[str, str]], count: int, seed: int, report: bool
 ) -> int:
     """Say the score, write numbers and report if asked; how many mutants survive without a reason."""
-    content = numbers(rows, argued, count, seed)
+    content = numbers(rows, reviewed, count, seed)
     if report:
         # A mutant a line, so that a change of one is a change of a line.
         head = json.dumps({name: content[name] for name in ("conditions", "overall", "packages")})[:-1]

@@ -13,51 +13,27 @@ import contextlib
 import importlib
 import math
 import os
-import resource
 import shutil
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
 
 import pytest
+from numba.core.event import Listener, register
 
+from scripts.mutation.python.fork import Outcome, allow_seconds, forked
 from scripts.mutation.python.mutants import Mutant, mutated
 from scripts.mutation.python.patch import caches_of, forget_imports, function_body, patch
 
 OWN = ("quadshade", "tests", "conftest")
 """What is imported anew."""
 
-MEMORY = 12 << 30
-"""Bytes of address space that a mutant may ask for."""
-
 OPTIONS = ("-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=1")
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """
-    How the tests of a mutant ended.
-
-    Attributes
-    ----------
-    state : str
-      ``survived``, ``killed`` or ``timeout``, which is killed too: it used several times the processor time
-      that the tests need without a change.
-    test : str
-      The first test that failed; empty if none did.
-    seconds : float
-      Of processor time.
-    """
-
-    state: str
-    test: str
-    seconds: float
 
 
 def interpret_loops(prefixes: tuple[str, ...]) -> None:
@@ -115,6 +91,7 @@ class Session:
     def __init__(self, package: Path, slow: float, spare: float, work: Callable[[Session], None]) -> None:
         self.package, self.slow, self.spare, self.work = package, slow, spare, work
         self.items: list[pytest.Item] = []
+        self.compiler = _Compiler()
         self.seconds: dict[str, float] = {}
         self.reached: dict[str, set[tuple[str, str]]] = {}
         self.at_import: set[tuple[str, str]] = set()
@@ -135,18 +112,18 @@ class Session:
             self.problem = "tests cannot be collected"
             return True
         for item in session.items:
-            with self._functions() as self.reached[item.nodeid]:
-                seconds = self._timed(item, 2 * self.slow)
-            if self.slow < seconds < math.inf:
-                # Not slow if that was numba's compiler.
-                seconds = self._timed(item, self.slow)
-            self.seconds[item.nodeid] = seconds
+            self.seconds[item.nodeid] = self._timed(item)
             if self.failed:
                 self.problem = f"{self.failed} fails without a change"
                 return True
         self.items = [item for item in session.items if self.seconds[item.nodeid] <= self.slow]
         self.items.sort(key=lambda item: self.seconds[item.nodeid])
-        self.caches = caches_of("quadshade")
+        self.caches = caches_of(OWN)
+        for item in self.items:
+            for cache in self.caches:
+                cache.cache_clear()
+            with self._functions() as self.reached[item.nodeid]:
+                self._run_item(item)
         self.work(self)
         return True
 
@@ -174,15 +151,15 @@ class Session:
                 if code.co_filename.startswith(str(self.package))
             }
 
-    def _timed(self, item: pytest.Item, limit: float) -> float:
-        """Seconds of processor time of a test; infinite if it was ended at a limit."""
-        start = time.process_time()
-        with _interrupted_after(limit) as interrupted:
+    def _timed(self, item: pytest.Item) -> float:
+        """Seconds of processor time of a test without numba's compiler; infinite if it is ended as slow."""
+        start = self.compiler.seconds_beside()
+        with _interrupted_after(self.slow, self.compiler) as interrupted:
             self._run_item(item)
         if interrupted.is_set():
             self.failed = ""
             return math.inf
-        return time.process_time() - start
+        return self.compiler.seconds_beside() - start
 
     def _run_item(self, item: pytest.Item) -> None:
         # The same item again and again: nothing that stays set up for a next one.
@@ -218,12 +195,16 @@ class Session:
         stamp = target.stat()
         place = (str(target), function_body(source, mutant))
         reaching = [item for item in self.items if place in self.reached[item.nodeid]]
+        # Imported anew, tests of loops that were compiled take longer.
+        anew = self.spare + 3 * self.total
+        in_place = self.spare / 2 + 2 * sum(self.seconds[item.nodeid] for item in reaching)
 
         def tests() -> str:
             # What is compiled of a changed file must not be found by the next mutant.
             sys.dont_write_bytecode = True
             os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
             if place[1] and place not in self.at_import and patch(mutant, place[1], text, self.caches):
+                allow_seconds(min(in_place, anew))
                 return self._first_failure(reaching)
             return _import_anew([item.nodeid for item in self.items])
 
@@ -232,8 +213,7 @@ class Session:
             for stale in (target.parent / "__pycache__").glob(f"{target.stem}.*.pyc"):
                 stale.unlink()
             target.write_text(text)
-            # Imported anew, tests of loops that were compiled take longer.
-            return _forked(tests, limit=self.spare + 3 * self.total, patience=30 * (4 + self.total))
+            return forked(tests, limit=anew, patience=30 * (4 + self.total))
         finally:
             target.write_text(source)
             os.utime(target, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
@@ -246,17 +226,41 @@ class Session:
         return ""
 
 
+class _Compiler(Listener):
+    """Tells the processor time of numba's compiler from that of tests, which are not slow for it."""
+
+    def __init__(self) -> None:
+        self.depth, self.begin, self.seconds = 0, 0.0, 0.0
+        register("numba:compile", self)
+
+    def on_start(self, event: object) -> None:
+        if not self.depth:
+            self.begin = time.process_time()
+        self.depth += 1
+
+    def on_end(self, event: object) -> None:
+        self.depth -= 1
+        if not self.depth:
+            self.seconds += time.process_time() - self.begin
+
+    def seconds_beside(self) -> float:
+        """Of this process, up to now."""
+        return (self.begin if self.depth else time.process_time()) - self.seconds
+
+
 @contextlib.contextmanager
-def _interrupted_after(seconds: float) -> Iterator[threading.Event]:
+def _interrupted_after(seconds: float, compiler: _Compiler) -> Iterator[threading.Event]:
     """A test that takes more processor time fails, and this says so: its end is not waited for."""
     interrupted = threading.Event()
+    end = compiler.seconds_beside() + seconds
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        interrupted.set()
-        pytest.fail("takes too long")
+        if not compiler.depth and compiler.seconds_beside() > end:
+            interrupted.set()
+            pytest.fail("takes too long")
 
     former = signal.signal(signal.SIGPROF, interrupt)
-    signal.setitimer(signal.ITIMER_PROF, seconds, 1.0)
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)
     try:
         yield interrupted
     finally:
@@ -305,54 +309,6 @@ def _import_anew(order: Sequence[str]) -> str:
     plugin = _FirstFailure(order)
     code = pytest.main([*OPTIONS, "-x", *files], plugins=[plugin])
     return plugin.failed or (f"pytest ended with {code}" if code else "")
-
-
-def _forked(work: Callable[[], str], limit: float, patience: float) -> Outcome:
-    """What a forked process says: the test that failed, or nothing."""
-    reading, writing = os.pipe()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    child = os.fork()
-    if child == 0:
-        code = 3
-        try:
-            os.close(reading)
-            os.setpgid(0, 0)
-            resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 5))
-            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-            with open(os.devnull, "w") as nowhere:
-                os.dup2(nowhere.fileno(), 1)
-                os.dup2(nowhere.fileno(), 2)
-            os.write(writing, work().encode()[:2000])
-            code = 0
-        finally:
-            os._exit(code)
-    os.close(writing)
-    with os.fdopen(reading) as pipe:
-        status, seconds = _wait(child, patience)
-        test = pipe.read().strip()
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL):
-        return Outcome("timeout", "", seconds)
-    if not os.WIFEXITED(status) or os.WEXITSTATUS(status):
-        return Outcome("killed", test or f"the process ended with status {status}", seconds)
-    return Outcome("killed" if test else "survived", test, seconds)
-
-
-def _wait(child: int, patience: float) -> tuple[int, float]:
-    """Status and processor time of a child; one that only waits is ended in the end."""
-    end = time.monotonic() + patience
-    while True:
-        done, status, usage = os.wait4(child, os.WNOHANG)
-        if done:
-            break
-        if time.monotonic() > end:
-            os.killpg(child, signal.SIGKILL)
-            _, status, usage = os.wait4(child, 0)
-            break
-        time.sleep(0.01)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)
-    return status, round(usage.ru_utime + usage.ru_stime, 1)
 
 
 def run_session(
