@@ -191,6 +191,10 @@ readback: setup ## bytes on the line of a board's picture, or of its CRC; writes
 faults: setup ## inject a million faults into the link's frames, write docs/reports/faults.md
 	@$(VENV) -m scripts.experiments.link_faults
 
+.PHONY: faults-boards
+faults-boards: setup ## kill boards that share pictures on bad lines, write docs/reports/faults_boards.md
+	@$(VENV) -m scripts.experiments.pool_faults
+
 .PHONY: faults-rtl
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
 	@$(VENV) -m scripts.experiments.link_faults_rtl

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from typing import Any
 
@@ -91,6 +92,9 @@ UNITS = ("bytes", "clocks", "line")
 COSTS = ("bytes", "clocks", "lut4", "line")
 """What a sweep's points pay for their error."""
 
+MOST_SIMULATED = 64
+"""Simulated boards at a time."""
+
 STYLES = ("none", "cartoon", "gooch", "hatch")
 EDGE_KINDS = ("profile", "inner")
 EDGE_VARIANTS = ("diagonal", "eight")
@@ -161,6 +165,41 @@ def parse_pack_error(value: Any) -> float:
     if not 0 <= levels < math.inf:
         raise QuadshadeError(f"{value!r} is not a number of grey levels from 0", "write for example 0.0625")
     return levels
+
+
+def parse_ports(value: Any) -> tuple[Any, ...]:
+    """
+    Each of the ports that are given.
+
+    Parameters
+    ----------
+    value : str, serial object, Board, sequence of them, or None
+      ``sim:4`` stands for four simulated boards.
+
+    Raises
+    ------
+    QuadshadeError
+      A port that is there twice, or no number of simulated boards from 1 to ``MOST_SIMULATED``.
+    """
+    given = value if isinstance(value, list | tuple) else () if value is None else (value,)
+    ports: list[Any] = []
+    for one in given:
+        name, colon, count = one.partition(":") if isinstance(one, str) else ("", "", "")
+        if name != "sim" or not colon:
+            ports.append(one)
+            continue
+        if not re.fullmatch("[0-9]{1,4}", count) or not 1 <= int(count) <= MOST_SIMULATED:
+            raise QuadshadeError(f"the port is {one!r}", f"write sim, or sim:1 to sim:{MOST_SIMULATED}")
+        ports += ["sim"] * int(count)
+    seen: dict[Any, Any] = {}
+    for port in ports:
+        if port != "sim":
+            # Two names may be links to one device.
+            place = os.path.realpath(port) if isinstance(port, str) and port.startswith("/") else port
+            if place in seen.values():
+                raise QuadshadeError(f"the port {port} is given twice", "give it once")
+            seen[port] = place
+    return tuple(ports)
 
 
 def parse_faults(value: Any) -> tuple[float, int]:

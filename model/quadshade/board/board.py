@@ -100,7 +100,7 @@ class Board(BoardReader):
         progress: Progress | None = None,
     ) -> None:
         self._port = Port(port, baud, settings or BoardSettings(), engine)
-        self._notice, self._progress = notice or _warn, progress
+        self._notice, self.progress = notice or _warn, progress
         self._reconnect_seconds = reconnect_seconds
         self._faulty: FaultyTransport | None = None
         self._start, self._triangles = time.monotonic(), 0
@@ -314,9 +314,9 @@ class Board(BoardReader):
         self.session.flush()
 
     def _report(self, what: str, done: float, total: float) -> None:
-        if self._progress:
+        if self.progress:
             statistics = self.session.statistics
-            self._progress(what, done, total, statistics["bytes_sent"] + statistics["bytes_received"])
+            self.progress(what, done, total, statistics["bytes_sent"] + statistics["bytes_received"])
 
     def _painters_notice(
         self, triangles: ScreenTriangles, limit: float | None, setup: dict[str, Any]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -111,7 +111,21 @@ class BoardReader:
         self, width: int | None = None, height: int | None = None, verify: bool | str = True
     ) -> np.ndarray:
         """(height, width) uint32 depth, 2**depth_bits - 1 where nothing was drawn; as :meth:`read_plane`."""
-        raw = self.read_plane("depth", width, height, verify)
+        return self.as_depth(self.read_plane("depth", width, height, verify))
+
+    def read_planes(
+        self,
+        planes: Sequence[str],
+        width: int | None = None,
+        height: int | None = None,
+        verify: bool | str = True,
+    ) -> dict[str, np.ndarray]:
+        """Several planes by their names; as :meth:`read_plane`."""
+        return {plane: self.read_plane(plane, width, height, verify) for plane in planes}
+
+    @staticmethod
+    def as_depth(raw: np.ndarray) -> np.ndarray:
+        """(h, w) uint32 of a depth plane (h, w, bytes)."""
         whole = np.zeros((*raw.shape[:2], 4), np.uint8)
         whole[:, :, : raw.shape[2]] = raw
         return whole.view("<u4")[:, :, 0]

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import click
 
-from quadshade.choices import parse_faults
+from quadshade.choices import parse_faults, parse_ports
 from quadshade.cli.options import Decorator, Parsed, is_given, option
 from quadshade.cli.terminal import say_trace
 from quadshade.errors import QuadshadeError
@@ -31,7 +32,15 @@ class Seconds(click.FloatRange):
         return seconds
 
 
-def port_options(help_text: str = "The board") -> list[Decorator]:
+def _one_or_several(_: click.Context, __: click.Parameter, ports: tuple[str, ...]) -> Any:
+    """No port, the one that is given, or all of them."""
+    named = [port for port in ports if port]
+    if len(named) > 1:
+        parse_ports(named)
+    return named if len(named) > 1 else named[0] if named else None
+
+
+def port_options(help_text: str = "The board", several: bool = False) -> list[Decorator]:
     """
     The port, and what the line is like.
 
@@ -39,7 +48,11 @@ def port_options(help_text: str = "The board") -> list[Decorator]:
     ----------
     help_text : str
       Beginning of the help of ``--port``.
+    several : bool
+      Whether several boards may share the work.
     """
+    more = " Repeatable: boards share the work; sim:4 is four simulated ones." if several else ""
+    repeated = {"multiple": True, "callback": _one_or_several} if several else {}
     return [
         option(
             TITLE,
@@ -47,7 +60,8 @@ def port_options(help_text: str = "The board") -> list[Decorator]:
             envvar="QUADSHADE_PORT",
             metavar="PORT",
             help=f"{help_text}: auto (every serial port is asked), sim (a simulated one is started), "
-            "/dev/ttyUSB0, socket://host:port.  [env: QUADSHADE_PORT]",
+            f"/dev/ttyUSB0, socket://host:port.{more}  [env: QUADSHADE_PORT]",
+            **repeated,
         ),
         option(
             TITLE,
@@ -75,6 +89,32 @@ def port_options(help_text: str = "The board") -> list[Decorator]:
     ]
 
 
+resume_option = option(
+    TITLE,
+    "--resume",
+    is_flag=True,
+    help="Go on with a picture in tiles that was broken off: draw only the tiles that are missing.",
+)
+
+
+def tiles_folder(output: Path, resume: bool) -> Path:
+    """
+    Where tiles of a picture are kept until it is whole, beside it; without ``--resume`` old ones are removed.
+
+    Raises
+    ------
+    QuadshadeError
+      Something else is there.
+    """
+    from quadshade.board.tile_store import TileStore
+
+    folder = output.with_name(f".{output.name}.tiles")
+    store = TileStore(folder)
+    if not resume:
+        store.remove()
+    return folder
+
+
 def with_board(options: dict[str, Any]) -> dict[str, Any]:
     """
     The options, without a board's where an engine is to draw.
@@ -88,7 +128,12 @@ def with_board(options: dict[str, Any]) -> dict[str, Any]:
     """
     changed = options | {"port": options["port"] or None, "trace": say_trace if options["trace"] else None}
     port = changed["port"]
-    if port is not None and port != "sim" and options.get("engine") is not None and is_given("engine"):
+    if (
+        port is not None
+        and "sim" not in parse_ports(port)
+        and options.get("engine") is not None
+        and is_given("engine")
+    ):
         if is_given("port"):
             raise QuadshadeError("--engine is given, and --port: a board draws", "give one of them")
         changed["port"] = None

@@ -20,7 +20,7 @@ from quadshade.cli.options import (
     stats_option,
     waves_option,
 )
-from quadshade.cli.port_options import TITLE, port_options, with_board
+from quadshade.cli.port_options import TITLE, port_options, resume_option, tiles_folder, with_board
 from quadshade.cli.scene_options import GENERIC_OPTIONS, VERIFY_BOARD, setup_options, verify_options
 from quadshade.cli.terminal import reporting, say_statistics
 from quadshade.contract.formats import parse_generics
@@ -36,12 +36,18 @@ if TYPE_CHECKING:
     setup_options(SAMPLED_SETUPS),
     GENERIC_OPTIONS,
     [engine_option()],
-    port_options("Draw on a board; OUTPUT is then a PNG file or its planes as npz"),
+    port_options("Draw on a board; OUTPUT is then a PNG file or its planes as npz", several=True),
+    [resume_option],
     verify_options(TITLE, VERIFY_BOARD),
     [output_option("Where the pixels go, e.g. pixels.npz."), stats_option, waves_option],
 )
 def raster(
-    triangles_path: Path, output: Path, stats: Path | None, generics: tuple[str, ...], **options: Any
+    triangles_path: Path,
+    output: Path,
+    stats: Path | None,
+    generics: tuple[str, ...],
+    resume: bool,
+    **options: Any,
 ) -> None:
     """
     Draw the triangles of TRIANGLES.json; pixels come out in the order in which the engine emits them.
@@ -57,6 +63,8 @@ def raster(
 
     check_writable(output, stats, options["waves"], inputs=[triangles_path])
     keywords = with_board(options)
+    if keywords["port"] is not None:
+        keywords["resume"] = tiles_folder(output, resume)
     chosen = collect(SetupChoice, keywords), collect(EngineChoice, keywords), collect(PortChoice, keywords)
     if keywords["port"] is not None:
         _on_board(triangles_path, output, stats, parse_generics(generics), *chosen)
@@ -118,5 +126,5 @@ def _on_board(
         write_arrays(output, shown.planes)
     if stats is not None:
         height, width = shown.picture.shape[:2]
-        write_json(stats, {"port": port.port, **shown.statistics, "width": width, "height": height})
-    click.echo(f"{output}: {shown.triangles} triangles, drawn by the board at {port.port}")
+        write_json(stats, {"port": port.name, **shown.statistics, "width": width, "height": height})
+    click.echo(f"{output}: {shown.triangles} triangles, drawn by the board at {port.name}")

@@ -19,7 +19,7 @@ from quadshade.cli.options import (
     supersample_option,
     waves_option,
 )
-from quadshade.cli.port_options import port_options, with_board
+from quadshade.cli.port_options import port_options, resume_option, tiles_folder, with_board
 from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     GENERIC_OPTIONS,
@@ -46,10 +46,11 @@ from quadshade.cli.terminal import reporting, say_statistics
     STYLE_OPTIONS,
     GBUFFER_OPTIONS,
     [engine_option()],
-    port_options("Draw on a board and fetch the picture"),
+    port_options("Draw on a board and fetch the picture", several=True),
+    [resume_option],
     [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )
-def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None:
+def render(scene: str, output: Path, stats: Path | None, resume: bool, **options: Any) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
 
@@ -66,6 +67,7 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
     quadshade render sphere:690 -o sphere.png --budget 30000bytes --error-measure rms
     quadshade render part.stl -o part.png --style gooch --edges profile,inner
     quadshade render sphere:690 -o sphere.png --port sim
+    quadshade render sphere:690 -o sphere.png --size 1920x1080 --port sim:4
     """
     with leave_at_once():
         from quadshade.files.atomic import check_writable, write_json
@@ -78,6 +80,8 @@ def render(scene: str, output: Path, stats: Path | None, **options: Any) -> None
     check_png(output)
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
+    if keywords["port"] is not None:
+        keywords["resume"] = tiles_folder(output, resume)
     with reporting() as reports:
         picture = render_scene(scene, **keywords, reports=reports)
     if picture.stats.line is not None:

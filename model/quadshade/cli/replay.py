@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from quadshade.cli.options import PATH, TitledCommand, add_options, engine_option, output_option
-from quadshade.cli.port_options import TITLE, port_options
+from quadshade.cli.port_options import TITLE, port_options, resume_option, tiles_folder
 from quadshade.cli.scene_options import VERIFY_BOARD, verify_options
 from quadshade.cli.terminal import reporting, say_statistics, say_trace
 
@@ -18,13 +18,14 @@ from quadshade.cli.terminal import reporting, say_statistics, say_trace
 @click.argument("frame_path", metavar="FRAME.qs", type=PATH)
 @add_options(
     [engine_option()],
-    port_options(),
+    port_options(several=True),
+    [resume_option],
     verify_options(TITLE, VERIFY_BOARD),
     [output_option("Read the picture back and write it: a PNG file.", required=False)],
 )
-def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -> None:
+def replay(frame_path: Path, output: Path | None, trace: bool, resume: bool, **options: Any) -> None:
     """
-    Draw FRAME.qs, which `pack` made, on a board that has its generics and its screen.
+    Draw FRAME.qs, which `pack` made, on a board that has its generics; in tiles if its screen is another.
 
     \b
     quadshade replay frame.qs --port auto
@@ -40,6 +41,8 @@ def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -
     if output is not None:
         check_png(output)
     check_writable(output, inputs=[frame_path])
+    if output is not None:
+        options["resume"] = tiles_folder(output, resume)
     options["trace"] = say_trace if trace else None
     port = collect(PortChoice, options)
     with reporting() as reports:
@@ -49,4 +52,4 @@ def replay(frame_path: Path, output: Path | None, trace: bool, **options: Any) -
     if output is not None and picture is not None:
         write_atomically(output, lambda temporary: write_png(temporary, picture))
     told = f", read into {output}" if output is not None else ""
-    click.echo(f"{frame_path}: {shown.triangles} triangles drawn at {port.port}{told}")
+    click.echo(f"{frame_path}: {shown.triangles} triangles drawn at {port.name}{told}")

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 QUIET_SECONDS = 2.0
 """A step that takes longer is said where there is no terminal."""
 
-FRAMES = "drawing frames"
-UNITS = {"drawing": "triangles/s", "reading": "pixels/s", FRAMES: "frames/s"}
+FRAMES, TILES = "drawing frames", "drawing tiles"
+UNITS = {"drawing": "triangles/s", "reading": "pixels/s", FRAMES: "frames/s", TILES: "tiles/s"}
 
 
 def notice(text: str) -> None:
@@ -90,7 +90,7 @@ class _Lines:
         self._timer.start()
 
     def progress(self, what: str, done: float, total: float, sent: int) -> None:
-        text = what if what == FRAMES else f"{what} on the board"
+        text = what if what in (FRAMES, TILES) else f"{what} on the board"
         if text != self._text:
             self.step(text)
 

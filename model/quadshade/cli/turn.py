@@ -108,7 +108,7 @@ FILM_OPTIONS = [
     PACK_OPTIONS,
     STYLE_OPTIONS,
     [engine_option("model")],
-    port_options("Draw on a board and fetch every frame"),
+    port_options("Draw on a board and fetch every frame", several=True),
     FILM_OPTIONS,
     [supersample_option],
 )

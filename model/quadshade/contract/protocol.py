@@ -46,6 +46,10 @@ class LinkError(QuadshadeError):
     """The link or the board at its other end is not what it has to be."""
 
 
+class PortError(LinkError):
+    """The port cannot be opened."""
+
+
 class LineGoneError(LinkError):
     """The port vanished, or the other end of a socket hung up: it may come back."""
 

@@ -205,6 +205,20 @@ def _convert(content: dict[str, Any], path: Path, formats: Formats) -> ScreenTri
     )
 
 
+def screen_size(path: Path) -> tuple[int, int]:
+    """
+    Width and height that a triangles file is for.
+
+    Raises
+    ------
+    QuadshadeError
+      As :func:`read_triangles`, of the file's beginning.
+    """
+    content = _load(path)
+    _check_head(content, path)
+    return content["width"], content["height"]
+
+
 def read_triangles(path: Path, formats: Formats) -> ScreenTriangles:
     """
     Read a triangles file.

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import serial
 
-from quadshade.contract.protocol import LineGoneError, LinkError
+from quadshade.contract.protocol import LineGoneError, LinkError, PortError
 from quadshade.link.faults import FaultInjector
 
 DEFAULT_BAUD = 1_000_000
@@ -101,18 +101,18 @@ def _error_number(problem: BaseException | None) -> int | None:
     return None
 
 
-def _open_error(port: str, problem: Exception) -> LinkError:
+def _open_error(port: str, problem: Exception) -> PortError:
     """What is wrong with a port, with a hint."""
     number = _error_number(problem)
     if number == errno.ECONNREFUSED and _scheme(port) == RFC2217:
-        return LinkError(f"no server listens on {port}", "start one on the machine that has the board")
+        return PortError(f"no server listens on {port}", "start one on the machine that has the board")
     if number in PROBLEMS:
         message, hint = PROBLEMS[number]
-        return LinkError(message.format(port=port), hint)
+        return PortError(message.format(port=port), hint)
     if str(problem).startswith("invalid URL, protocol"):
-        return LinkError(f"{port} is no port and no URL that pyserial knows", "give a name as /dev/ttyUSB0")
+        return PortError(f"{port} is no port and no URL that pyserial knows", "give a name as /dev/ttyUSB0")
     reason = str(problem).removeprefix(f"Could not open port {port}: ") or type(problem).__name__
-    return LinkError(f"cannot open {port}: {reason}", "is it the right port?")
+    return PortError(f"cannot open {port}: {reason}", "is it the right port?")
 
 
 def _scheme(port: str) -> str:
@@ -132,7 +132,7 @@ def _check_address(port: str) -> None:
     except ValueError:
         is_whole = False
     if not is_whole:
-        raise LinkError(f"{port} is no address", f"write {scheme}://HOST:PORT, the port from 1 to 65535")
+        raise PortError(f"{port} is no address", f"write {scheme}://HOST:PORT, the port from 1 to 65535")
 
 
 class SerialTransport:

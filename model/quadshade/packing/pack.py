@@ -30,6 +30,7 @@ from quadshade.contract.packed_format import (
 from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.packing.read_primitives import signed
 from quadshade.packing.widths import Needs, hold
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
@@ -155,12 +156,6 @@ def _top_bits(values: np.ndarray, fill: str) -> np.ndarray:
     return length if fill == "sign" else np.maximum(length - 1, 0)
 
 
-def _signed(values: np.ndarray, bits: int) -> np.ndarray:
-    """Two's complement of some bits, sign extended."""
-    half = 1 << (bits - 1)
-    return ((values + half) & (2 * half - 1)) - half
-
-
 def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
     """(kinds, n, 6) zero bits at the end of all words that share a width: what need not be sent."""
     kinds = np.array(channel_kinds(formats))
@@ -185,7 +180,7 @@ def _laid_out(
     for index, (name, bits, address, fill) in enumerate(packed_fields(formats)):
         sent = has_second if index >= first_second else np.ones(size, bool)
         raw = field_values(primitives, name, formats)
-        values[:, index] = np.where(sent, raw if fill == "zero" else _signed(raw, bits), 0)
+        values[:, index] = np.where(sent, raw if fill == "zero" else signed(raw, bits), 0)
         needs.top(address, _top_bits(values[:, index], fill), sent)
     differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders]
     for channel, (kind, order) in enumerate(

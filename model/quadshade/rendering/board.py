@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.board import Board, BoardSettings
-from quadshade.board.engines import board_engine
-from quadshade.board.large_screen import large_screen_notice
 from quadshade.board.settings import board_settings
-from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error, parse_verify
+from quadshade.board.tiled_screen import TiledScreen
+from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_pack_error, parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.files.triangle_file import open_triangles
+from quadshade.files.triangle_file import open_triangles, screen_size
 from quadshade.golden.screen.edge_map import edge_map
 from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.levels import best_level, level_note
+from quadshade.rendering.open_board import opened, screen_of, simulated_screen
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, board_count, shade_scene, show_scene
@@ -51,48 +51,10 @@ def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) 
 
 
 @contextmanager
-def opened(
-    port: PortChoice, settings: BoardSettings | None, engine: EngineChoice, reports: Reports
-) -> Iterator[Board]:
+def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | TiledScreen]:
     """
-    The board at a port, closed at the end; or one that is open already, which stays so.
-
-    Parameters
-    ----------
-    port : PortChoice
-    settings : BoardSettings or None
-      Of a simulated board.
-    engine : EngineChoice
-      What simulates it.
-    reports : Reports
-    """
-    if isinstance(port.port, Board):
-        yield port.port
-        return
-    if port.is_simulated and settings is not None:
-        simulator = board_engine(engine.engine)
-        if text := large_screen_notice(settings, simulator):
-            reports.notice(text)
-        reports.step(f"starting a simulated board in {simulator}")
-    board = Board(
-        port.port,
-        port.baud,
-        settings=settings,
-        engine=engine.engine if port.is_simulated else None,
-        faults=None if port.faults is None else parse_faults(port.faults),
-        answer_seconds=port.timeout,
-        trace=port.trace,
-        notice=reports.notice,
-        progress=reports.progress,
-    )
-    with board:
-        yield board
-
-
-@contextmanager
-def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board]:
-    """
-    The board that settings name, or a simulated one that can draw what they ask for.
+    The board that settings name, or a simulated one that can draw what they ask for; of several, or for a
+    picture that is larger than its screen, a screen that is drawn in tiles.
 
     Raises
     ------
@@ -105,9 +67,16 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board]:
         raise QuadshadeError("a board does not say which triangle it shows", "leave out --gbuffer, or --port")
     if choice.interpolation == PHONG:
         raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
+    if isinstance(port.port, TiledScreen):
+        yield port.port
+        return
     simulated = _simulated_settings(settings) if port.is_simulated else None
-    with opened(port, simulated, settings.engine, reports) as board:
-        yield board
+    with opened(port, simulated, settings.engine, reports) as pool:
+        size = None if choice.size is None else choice.pixels
+        screen = screen_of(pool, size, reports, port.tiles_folder)
+        yield screen
+        if isinstance(screen, TiledScreen):
+            screen.forget_tiles()
 
 
 def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
@@ -130,8 +99,8 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
       What boards do not have, a board that does not answer, or one that shows what it should not.
     """
     choice, port = settings.scene, settings.port
-    pack_error = parse_pack_error(port.added_error)
     with board_for(settings, reports) as board:
+        pack_error = pack_error_for(port, board)
         size = (board.width, board.height) if choice.size is None else choice.size
         settings = settings.of_scene(generics=board.host_formats, size=size)
         formats = settings.checked()
@@ -145,6 +114,9 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
             placed = replace(scene, projected=moved(scene.projected, by, formats))
             board.clear(scene.ground)
             board.draw(moved(triangles, by, formats), pack_error, **settings.setup.arguments())
+            if isinstance(board, TiledScreen) and _needs_depth(settings, board):
+                # In one go: each tile is drawn once for both.
+                board.read_planes(("colour", "depth"), width, height, port.verify)
             frame = board.read(width, height, port.verify)
             frames.append(style_on_board(settings, frame, placed, board, reports))
         picture = mean(frames)
@@ -165,12 +137,25 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     note = adapt_note(shaded)
     summary = (
         f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
+        + (f", in {board.tiles} tiles" if isinstance(board, TiledScreen) else "")
         + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + _packing_note(pack_error)
         + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
+
+
+def pack_error_for(port: PortChoice, board: Board | TiledScreen) -> float:
+    """Grey levels that packing may add: those asked for, else none in tiles, whose picture is the model's."""
+    if isinstance(board, TiledScreen) and port.pack_error is None:
+        return 0.0
+    return parse_pack_error(port.added_error)
+
+
+def _needs_depth(settings: RenderSettings, board: Board | TiledScreen) -> bool:
+    """Whether a style looks at where something was drawn, and the board can say it by its depth."""
+    return settings.style.style in ("hatch", "cartoon") and bool(board.formats.with_depth)
 
 
 def _packing_note(pack_error: float) -> str:
@@ -187,7 +172,7 @@ def _simulated_settings(settings: RenderSettings) -> BoardSettings:
     """Generics of a simulated board that can draw what is asked for."""
     choice, style = settings.scene, settings.style
     given = choice.set_generics
-    size = None if choice.size is None else choice.pixels
+    size = simulated_screen(None if choice.size is None else choice.pixels)
     channels = _shaded_channels(settings) if choice.interpolation in SPECULAR_ORDERS else {}
     built = board_settings(None, size, channels | given)
     if settings.adapt.is_adaptive and choice.shading is None and not given and not style.kinds:
@@ -221,7 +206,11 @@ def _can_draw_gbuffer(formats: Formats) -> bool:
 
 
 def style_on_board(
-    settings: RenderSettings, picture: np.ndarray, scene: ShownScene, board: Board, reports: Reports
+    settings: RenderSettings,
+    picture: np.ndarray,
+    scene: ShownScene,
+    board: Board | TiledScreen,
+    reports: Reports,
 ) -> np.ndarray:
     """
     What a style makes of a picture that a board has drawn; its edges are drawn by the same board.
@@ -231,7 +220,7 @@ def style_on_board(
     settings : RenderSettings
     picture : (h, w, 3) uint8
     scene : ShownScene
-    board : Board
+    board : Board or TiledScreen
     reports : Reports
 
     Returns
@@ -252,7 +241,9 @@ def style_on_board(
     return draw_edges(picture, edges, choice.kinds, choice.colours)
 
 
-def _edges(settings: RenderSettings, scene: ShownScene, board: Board, reports: Reports) -> EdgeMaps:
+def _edges(
+    settings: RenderSettings, scene: ShownScene, board: Board | TiledScreen, reports: Reports
+) -> EdgeMaps:
     """The edge map: the board's, that of the board's G-buffer, or the host's own."""
     choice, verify = settings.style, settings.port.verify
     order, space, variant = choice.gbuffer_order, choice.gbuffer_space, choice.edge_variant
@@ -265,13 +256,16 @@ def _edges(settings: RenderSettings, scene: ShownScene, board: Board, reports: R
     placed, _ = with_view_depth(projected, formats)
     red, green, blue = background_normal(projected.axes, space).tolist()
     board.clear((red, green, blue))
-    board.draw(sample_normals(placed, order, space, formats), parse_pack_error(settings.port.added_error))
+    board.draw(sample_normals(placed, order, space, formats), pack_error_for(settings.port, board))
     plane, size = f"edges_{variant}", (projected.width, projected.height)
-    if board.has_plane(plane):
+    # A board repeats the border of its screen, which has to be the picture's.
+    if board.has_plane(plane) and size == (board.width, board.height):
         read = board.read_plane(plane, *size, verify)
         return EdgeMaps(read[..., 0], read[..., 1], variant)
-    reports.notice("edges found by the host in the board's G-buffer, as the board has no edge map")
-    normal, depth = board.read_plane("colour", *size, verify), board.read_depth(*size, verify)
+    has = "its screen is of another size" if board.has_plane(plane) else "the board has no edge map"
+    reports.notice(f"edges found by the host in the board's G-buffer, as {has}")
+    shown = board.read_planes(("colour", "depth"), *size, verify)
+    normal, depth = shown["colour"], board.as_depth(shown["depth"])
     maps = edge_map(normal, depth.astype(np.int64), formats.depth_bits, VARIANTS[variant])
     return EdgeMaps(*maps, variant)
 
@@ -330,22 +324,26 @@ def draw_triangles_on_board(
       As for :func:`render_on_board`, or a malformed file.
     """
     _check(port, generics, engine)
-    settings = None
+    settings, (width, height) = None, screen_size(path)
     if port.is_simulated:
         core = {name: value for name, value in generics.items() if name in Formats().generics()}
-        triangles, formats = open_triangles(path, core)
-        given = board_settings(None, (triangles.width, triangles.height), generics)
+        formats = open_triangles(path, core)[1]
+        given = board_settings(None, simulated_screen((width, height)), generics)
         settings = replace(given, formats=formats)
-    with opened(port, settings, engine, reports) as board:
+    with opened(port, settings, engine, reports) as pool:
+        board = screen_of(pool, (width, height), reports, port.tiles_folder)
         wanted = {
             name: value
             for name, value in board.formats.generics().items()
             if name not in ("num_channels", "with_depth", "max_order")
         }
         loaded: ScreenTriangles = open_triangles(path, wanted)[0]
-        board.draw(loaded, **setup.arguments())
-        width, height = loaded.width, loaded.height
-        planes = {"colour": board.read_plane("colour", width, height, port.verify)}
-        if board.formats.with_depth:
-            planes["depth"] = board.read_depth(width, height, port.verify)
+        pack_error = pack_error_for(port, board)
+        board.draw(loaded, pack_error, **setup.arguments())
+        names = ("colour", "depth") if board.formats.with_depth else ("colour",)
+        planes = board.read_planes(names, width, height, port.verify)
+        if "depth" in planes:
+            planes["depth"] = board.as_depth(planes["depth"])
+        if isinstance(board, TiledScreen):
+            board.forget_tiles()
         return BoardPlanes(planes, board.as_rgb(planes["colour"]), len(loaded), board.statistics)

@@ -67,6 +67,7 @@ def render(
     timeout: float | None = None,
     trace: Callable[[str], None] | None = None,
     pack_error: float | None = None,
+    resume: str | Path | None = None,
     reports: Reports | None = None,
 ) -> Picture:
     """
@@ -148,12 +149,16 @@ def render(
       simulates the board.
     waves : str or Path, optional
       GHW file of waveforms to write (GHDL).
-    port : str, serial object or Board, optional
-      Draw on a board: as for :class:`quadshade.Board`, or an open one, which stays open.
+    port : str, serial object or Board, or sequence of them, optional
+      Draw on a board: as for :class:`quadshade.Board`, or an open one, which stays open. Several boards draw
+      tiles of the picture at the same time, ``"sim:4"`` is four simulated ones; so does one whose screen is
+      smaller than the picture (``docs/guide/scale.md``).
     baud, faults, timeout, trace
       As for :class:`quadshade.Board`: ``faults`` there, ``timeout`` is its ``answer_seconds``.
     pack_error : float, optional
-      Grey levels that words with fewer fraction bits may add on the way to a board; 1/32.
+      Grey levels that words with fewer fraction bits may add on the way to a board; 1/32, or 0 in tiles.
+    resume : str or Path, optional
+      Folder that keeps tiles until the picture is whole. Those that are there already are not drawn again.
     reports : Reports, optional
       Whom to tell what is being done, and what is not as asked; by default that becomes a warning.
 

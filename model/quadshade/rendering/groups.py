@@ -39,6 +39,7 @@ from quadshade.choices import (
     parse_limit,
     parse_lod,
     parse_pack_error,
+    parse_ports,
     parse_verify,
 )
 from quadshade.contract.formats import Formats, parse_generics
@@ -317,6 +318,7 @@ class PortChoice:
     trace: Callable[[str], None] | None = None
     pack_error: float | None = None
     verify: bool | str = True
+    resume: str | Path | None = None
 
     def __post_init__(self) -> None:
         if self.port is None:
@@ -333,24 +335,37 @@ class PortChoice:
             parse_faults(self.faults)
         parse_pack_error(self.added_error)
         parse_verify(self.verify)
+        _ = self.ports
+
+    @cached_property
+    def ports(self) -> tuple[Any, ...]:
+        """Each port by itself: ``sim:4`` is four, and none may be there twice."""
+        return parse_ports(self.port)
+
+    @property
+    def tiles_folder(self) -> Path | None:
+        """Where tiles are kept until a picture is whole."""
+        return None if self.resume is None else Path(self.resume)
 
     @property
     def is_simulated(self) -> bool:
-        """Whether the board is one's own simulation."""
-        return isinstance(self.port, str) and self.port == "sim"
+        """Whether a board is one's own simulation."""
+        return "sim" in [one for one in self.ports if isinstance(one, str)]
 
     @property
     def name(self) -> str:
         """What the port is called in reports."""
         if isinstance(self.port, str):
             return self.port
+        if isinstance(self.port, Sequence):
+            return ", ".join(PortChoice(one).name for one in self.port)
         session = getattr(self.port, "session", None)
         return str(getattr(self.port if session is None else session.transport, "name", "board"))
 
     @property
     def is_open(self) -> bool:
-        """Whether the port is a board that is open already."""
-        return hasattr(self.port, "session")
+        """Whether a board is open already."""
+        return any(hasattr(one, "read_plane") for one in self.ports)
 
     @property
     def added_error(self) -> float:

@@ -100,7 +100,10 @@ def _are_colours(value: Any) -> bool:
 
 def _is_port(value: Any) -> bool:
     return (
-        _is_text(value) or hasattr(value, "session") or (hasattr(value, "read") and hasattr(value, "write"))
+        _is_text(value)
+        or hasattr(value, "read_plane")
+        or (hasattr(value, "read") and hasattr(value, "write"))
+        or (isinstance(value, list | tuple) and bool(value) and all(map(_is_port, value)))
     )
 
 
@@ -114,7 +117,7 @@ KINDS = (
     dict.fromkeys(("exponent", "smoothness", "jump", "crease", "max_error", "timeout"), NUMBER)
     | dict.fromkeys(("toon", "supersample", "baud"), COUNT)
     | dict.fromkeys(("cull",), SWITCH)
-    | dict.fromkeys(("gbuffer", "waves"), FILE)
+    | dict.fromkeys(("gbuffer", "waves", "resume"), FILE)
     | {
         "engine": WORD,
         "trace": CALLABLE,
@@ -138,7 +141,7 @@ KINDS = (
             f"True, False, or one of {', '.join(VERIFIES)}",
         ),
         "faults": Kind(_is_rate, "a rate, or a rate and a seed"),
-        "port": Kind(_is_port, "a port's name or URL, an open serial object, or a Board"),
+        "port": Kind(_is_port, "a port's name or URL, an open serial object, a Board, or several"),
     }
 )
 """Kinds by keyword; words and grey levels that are not here are checked where they are read."""

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.board import BoardSettings
+from quadshade.board.tile_store import TileStore
+from quadshade.board.tiled_screen import TiledScreen
 from quadshade.choices import VERIFIES, parse_verify
 from quadshade.packing.frame_file import read_frame_file
-from quadshade.rendering.board import opened
 from quadshade.rendering.groups import EngineChoice, PortChoice
+from quadshade.rendering.open_board import opened, simulated_screen
 from quadshade.rendering.settings import Reports
 
 
@@ -39,7 +41,7 @@ def replay_on_board(
     path: Path, engine: EngineChoice, port: PortChoice, read: bool, reports: Reports
 ) -> Replayed:
     """
-    Draw a packed picture on a board that has its generics and its screen.
+    Draw a packed picture on boards that have its generics; in tiles where a screen is not of its size.
 
     Parameters
     ----------
@@ -63,8 +65,18 @@ def replay_on_board(
       A malformed file, a board with other generics, or one that shows what it should not.
     """
     frame = read_frame_file(path)
-    settings = BoardSettings(frame.formats, frame.width, frame.height) if port.is_simulated else None
-    with opened(port, settings, engine, reports) as board:
-        board.replay(frame, verify=parse_verify(port.verify) != VERIFIES[-1])
-        picture = board.read(verify=port.verify) if read else None
-        return Replayed(picture, frame.triangles, board.statistics)
+    size = (frame.width, frame.height)
+    settings = None
+    if port.is_simulated:
+        settings = BoardSettings(frame.formats, *(simulated_screen(size) or size))
+    with opened(port, settings, engine, reports) as pool:
+        first = pool.boards[0]
+        if len(pool.boards) == 1 and size == (first.width, first.height):
+            first.replay(frame, verify=parse_verify(port.verify) != VERIFIES[-1])
+            picture = first.read(verify=port.verify) if read else None
+            return Replayed(picture, frame.triangles, first.statistics)
+        store = None if port.tiles_folder is None else TileStore(port.tiles_folder)
+        screen = TiledScreen(pool, *size, reports.notice, reports.progress, store, frame.formats)
+        picture = screen.replay(frame, port.verify)
+        screen.forget_tiles()
+        return Replayed(picture, frame.triangles, screen.statistics)

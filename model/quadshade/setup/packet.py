@@ -60,7 +60,7 @@ class Primitives:
 
 
 def cut_of(primitives: Primitives) -> Cut:
-    """What covers which pixels: heads and edges as the loops take them; the major edge's ends are not known."""
+    """What covers which pixels, as the loops take it; which vertices the major edge ends at is not known."""
     size = len(primitives)
     cut = empty_cut(size)
     cut.heads["triangle"] = np.arange(size)

@@ -50,8 +50,8 @@ class Window(NamedTuple):
 
 class Extent(NamedTuple):
     """
-    What of a triangle's sides counts: scanlines from ``first`` to before ``end``, none where ``first >= end``,
-    and the runs of each side.
+    What of a triangle's sides counts: scanlines from ``first`` to before ``end``, none where these do not
+    follow each other, and the runs of each side.
     """
 
     first: int

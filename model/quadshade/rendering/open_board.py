@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boards at the ports that are chosen, and a screen of them for a picture of any size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from quadshade.board import Board, BoardSettings
+from quadshade.board.engines import board_engine
+from quadshade.board.pool import BoardPool
+from quadshade.board.tile_store import TileStore
+from quadshade.board.tiled_screen import TiledScreen
+from quadshade.choices import parse_faults
+from quadshade.contract.formats import Formats
+from quadshade.contract.protocol import PortError
+from quadshade.errors import QuadshadeError
+from quadshade.rendering.groups import EngineChoice, PortChoice
+from quadshade.rendering.settings import Reports
+from quadshade.setup.refit import picture_formats
+
+REAL_SCREEN = (BoardSettings.screen_width, BoardSettings.screen_height)
+"""Of most boards: a simulated one has no more pixels, and draws a larger picture in tiles."""
+
+
+def simulated_screen(size: tuple[int, int] | None) -> tuple[int, int] | None:
+    """
+    The screen of a simulated board for a picture: as large as that, where a real board has it.
+
+    Raises
+    ------
+    QuadshadeError
+      A picture that no core can address.
+    """
+    if size is not None:
+        picture_formats([Formats()], *size)
+    if size is None or size[0] > REAL_SCREEN[0] or size[1] > REAL_SCREEN[1]:
+        return REAL_SCREEN
+    return size
+
+
+@contextmanager
+def opened(
+    port: PortChoice, settings: BoardSettings | None, engine: EngineChoice, reports: Reports
+) -> Iterator[BoardPool]:
+    """
+    The boards at the ports, closed at the end; those that are open already stay so.
+
+    Parameters
+    ----------
+    port : PortChoice
+    settings : BoardSettings or None
+      Of simulated boards.
+    engine : EngineChoice
+      What simulates them.
+    reports : Reports
+
+    Raises
+    ------
+    QuadshadeError
+      A port that cannot be opened, or no board that answers. Of several, those that do not answer, or are of
+      another version, are left out with a notice.
+    """
+    if port.is_simulated and settings is not None:
+        reports.step(f"starting a simulated board in {board_engine(engine.engine)}")
+    with ExitStack() as stack:
+        boards: list[Board] = []
+        problem: QuadshadeError | None = None
+        for number in range(len(port.ports)):
+            try:
+                given = port.ports[number]
+                is_open = isinstance(given, Board)
+                boards.append(
+                    given if is_open else stack.enter_context(_open(port, number, settings, engine, reports))
+                )
+            except PortError:
+                raise
+            except QuadshadeError as error:
+                if len(port.ports) == 1:
+                    raise
+                problem = error
+                reports.notice(f"the board at {port.ports[number]} is left out: {error.message}")
+        if not boards and problem is not None:
+            raise problem
+        yield BoardPool(boards, reports.notice)
+
+
+def _open(
+    port: PortChoice, number: int, settings: BoardSettings | None, engine: EngineChoice, reports: Reports
+) -> Board:
+    """The board at one of the ports."""
+    name = port.ports[number]
+    rate, seed = (0.0, 0) if port.faults is None else parse_faults(port.faults)
+    alone = len(port.ports) == 1
+    return Board(
+        name,
+        port.baud,
+        settings=settings,
+        engine=engine.engine if name == "sim" else None,
+        # Every line is damaged in another way.
+        faults=None if port.faults is None else (rate, seed + number),
+        answer_seconds=port.timeout,
+        trace=port.trace,
+        notice=reports.notice,
+        progress=reports.progress if alone else None,
+    )
+
+
+def screen_of(
+    pool: BoardPool, size: tuple[int, int] | None, reports: Reports, folder: Path | None = None
+) -> Board | TiledScreen:
+    """
+    What draws a picture: the one board that has its size, or several, or one in tiles.
+
+    Parameters
+    ----------
+    pool : BoardPool
+    size : tuple of int or None
+      Width and height of the picture; None: of the first board's screen.
+    reports : Reports
+    folder : Path, optional
+      Where tiles are kept until the picture is whole.
+
+    Returns
+    -------
+    Board or TiledScreen
+    """
+    first = pool.boards[0]
+    width, height = size or (first.width, first.height)
+    if len(pool.boards) == 1 and width <= first.width and height <= first.height:
+        return first
+    first.progress = None
+    store = None if folder is None else TileStore(folder)
+    return TiledScreen(pool, width, height, reports.notice, reports.progress, store)
