@@ -15,7 +15,8 @@ PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED
 
 # Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
 # large enough for a monitor takes too long; in cells of ECP5 also the core with the shade unit and the board.
-MAPPED_TESTS := (default and not raster_core and not screen_video) or (raster_core and depth_bits)
+WHOLE := raster_core or quadshade_axis or screen_video
+MAPPED_TESTS := (default and not ($(WHOLE))) or (raster_core and depth_bits)
 LARGE := render_core or board
 # Of the board with unknown registers, beside its default: one with a monitor, the smallest.
 UNKNOWN_TESTS := test_board and (with_video or single_port)

@@ -3,6 +3,7 @@
 rtl/generated/quadshade_pkg.vhd
 rtl/generated/link_pkg.vhd
 rtl/generated/packed_pkg.vhd
+rtl/generated/axis_pkg.vhd
 rtl/common/memory_pkg.vhd
 rtl/common/block_ram.vhd
 rtl/common/single_port_ram.vhd
@@ -44,3 +45,4 @@ rtl/screen/tmds_encoder.vhd
 rtl/screen/scan_out.vhd
 rtl/screen/screen.vhd
 rtl/board.vhd
+rtl/quadshade_axis.vhd

@@ -10,6 +10,7 @@ from pathlib import Path
 from quadshade.contract.formats import Formats
 from quadshade.files.markdown import markdown_table
 from quadshade.synthesis import table
+from scripts.generate_vhdl import axis
 
 ROOT = Path(__file__).resolve().parents[1]
 REPORTS = ROOT / "docs" / "reports"
@@ -106,6 +107,7 @@ def demo() -> str:
 BLOCKS = {
     "README.md": {"demo": demo, "summary": summary},
     "docs/explanation/numbers.md": {"throughput": throughput, "resources": resources},
+    "docs/reference/axis.md": {"pixel": axis.pixel_table, "registers": axis.register_table},
 }
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up words as files: what GHDL, a C compiler and $readmemh read of them is the stream, with its pixels."""
+"""Set-up words as files: what GHDL, a C compiler and $readmemh read of them is the stream."""
 
 from __future__ import annotations
 
@@ -89,7 +89,8 @@ def read_by_ghdl(folder: Path, constant: str) -> list[int]:
     (folder / "top.vhd").write_text(
         "library ieee; use ieee.std_logic_1164.all; use std.textio.all; entity top is end entity;\n"
         "architecture test of top is begin process begin\n"
-        f"for i in work.a_pkg.{constant}'range loop report to_hstring(work.a_pkg.{constant}(i)); end loop; wait;\n"
+        f"for i in work.a_pkg.{constant}'range loop report to_hstring(work.a_pkg.{constant}(i)); end loop;\n"
+        "wait;\n"
         "end process; end architecture;\n"
     )
     for arguments in (["-a", "a.vhd", "top.vhd"], ["-e", "top"]):

@@ -3,7 +3,7 @@
 Write the packages of ``rtl/generated/`` from their one source each in ``quadshade.contract``.
 
 ``quadshade_pkg.vhd`` comes from ``formats``, ``link_pkg.vhd`` from ``protocol``, ``packed_pkg.vhd`` from
-``packed_format``.
+``packed_format``, ``axis_pkg.vhd`` from ``axis``.
 
 ``--check`` writes nothing and exits with code 1 if a file in the tree is not what would be written.
 """
@@ -18,6 +18,7 @@ from pathlib import Path
 
 from quadshade.contract import formats
 from quadshade.files.atomic import write_text
+from scripts.generate_vhdl import axis as generate_axis
 from scripts.generate_vhdl import link as generate_link
 from scripts.generate_vhdl import packed as generate_packed
 
@@ -202,6 +203,7 @@ def main() -> int:
         "quadshade_pkg.vhd": package(),
         "link_pkg.vhd": generate_link.package(),
         "packed_pkg.vhd": generate_packed.package(vhdl_expression),
+        "axis_pkg.vhd": generate_axis.package(vhdl_expression),
     }
     for name, text in packages.items():
         path = RTL / name

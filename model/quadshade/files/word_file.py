@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up words as files that benches, ROMs and firmware read, with tables beside them that say what they are."""
+"""Set-up words as files for benches, ROMs and firmware, with tables beside them that say what they are."""
 
 from __future__ import annotations
 
@@ -130,8 +130,8 @@ def layout_table(formats: Formats) -> str:
     Where every field of a packet lies, as CSV.
 
     ``first_bit`` counts from the section's first beat. A packet is the section ``edge``, where ``has_second``
-    says so ``second``, then every group of channels: of the six differences 1, 3 or 6, as the highest order in
-    the group says.
+    says so ``second``, then every group of channels: of the six differences 1, 3 or 6, as the highest order
+    in the group says.
     """
     rows = ["section,field,first_bit,bits,meaning"]
     for section, fields in SECTIONS:

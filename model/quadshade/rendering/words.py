@@ -109,7 +109,7 @@ class SetupWords:
 
     def save(self, path: str | Path) -> None:
         """
-        Write the words, and beside them their layout, packets and pixels as CSV (``docs/guide/own_design.md``).
+        Write the words, and beside them layout, packets and pixels as CSV (``docs/guide/own_design.md``).
 
         Parameters
         ----------
