@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from quadshade.errors import QuadshadeError
-from quadshade.setup.literature.methods import FITS, METHODS, coefficients, edge_factors, fit
+from quadshade.setup.literature.kernels import METHODS, coefficients, edge_factors
+from quadshade.setup.literature.methods import FITS, fit
 
 EDGES = ((0, 1), (0, 2), (1, 2))
 LIGHT = np.array([0.36, 0.48, 0.80])
@@ -102,6 +103,18 @@ def test_coefficients_are_those_of_the_methods_samples(method, rng):
     approximate = method not in FITS
     expected = [quadratic(v, exact_samples(n, approximate)) for v, n in zip(vertices, normals, strict=True)]
     assert_close(coefficients(method, vertices, normals, LIGHT), np.array(expected), vertices)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_float32_is_float64_up_to_its_rounding(method, rng):
+    """More triangles than a block has, so that the last one is not full."""
+    vertices, normals = triangles(rng, 150)
+    double = coefficients(method, vertices, normals, LIGHT)
+    single = coefficients(method, vertices, normals, LIGHT, np.float32)
+    assert single.dtype == np.float32 and single.shape == double.shape == (150, 6)
+    size = np.abs(vertices - vertices[:, :1]).max(axis=(1, 2))[:, None] ** [0, 1, 1, 2, 2, 2]
+    error = np.abs((single - double) * size).max(axis=1)
+    assert 0 < np.median(error) < 1e-5 and error.max() < 1e-2
 
 
 def test_only_abbas_needs_distinct_heights(rng):

@@ -7,5 +7,10 @@ from typing import Any, TypeVar
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 def njit(
-    *, cache: bool = ..., error_model: str = ..., fastmath: bool | set[str] = ..., forceinline: bool = ...
+    *,
+    cache: bool = ...,
+    error_model: str = ...,
+    fastmath: bool | set[str] = ...,
+    forceinline: bool = ...,
+    inline: str = ...,
 ) -> Callable[[_Function], _Function]: ...

@@ -15,13 +15,11 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 
 import click
 import numpy as np
-from numba import njit
 from rich.console import Console
 from rich.table import Table
 
@@ -33,7 +31,6 @@ from quadshade.files.markdown import markdown_table
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.core.raster_core import draw_scalar
 from quadshade.scene import load_scene, parse_camera, project
-from quadshade.setup.literature.methods import METHODS, kernel_arguments
 from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import sample
@@ -41,8 +38,18 @@ from scripts.experiments.report_writer import (
     REPORTS,
     ROOT,
     command_line,
+    met,
     output_option,
     write_report,
+)
+from scripts.experiments.setup_speed import (
+    EXPLAINED,
+    bounds,
+    least_seconds,
+    processor,
+    setup_tables,
+    setups,
+    what_binds,
 )
 from scripts.one_line_errors import one_line_errors
 
@@ -50,14 +57,8 @@ REPORT = REPORTS / "hostspeed.md"
 SCREEN = 1024
 PLAIN_SCENE = "sphere:690"
 PLAIN_TRIANGLES = 200
-SETUPS = 128
-"""Triangles of the set-up methods' measurement, set up over and over: they stay in the innermost cache."""
 SETUP_ROUNDS = 2000
-PAPER = {"abbas": 42.0, "unit_triangle": 40.3, "x_shading": 12.7}
-"""Seconds of 10**8 set-ups, Barrera et al., Table 1 (Abbas, Hast, X-shading)."""
 TARGETS = {
-    "x_shading": 5e6,
-    "ratio": 3.3,
     "host path": 300e3,
     "golden model": 20e6,
     "gibibytes": 4.0,
@@ -65,48 +66,9 @@ TARGETS = {
 STAGES = ("project", "sample", "set up", "pack")
 
 
-def least_seconds(works: Mapping[str, Callable[[], object]], repeats: int) -> dict[str, float]:
-    """
-    Least seconds of processor time that one call of each took (of all threads: more than one would not help).
-
-    They take turns, so that what else the machine does meets all of them.
-    """
-    best = dict.fromkeys(works, float("inf"))
-    for work in works.values():
-        work()
-    for _ in range(repeats):
-        for name, work in works.items():
-            start = time.process_time()
-            work()
-            best[name] = min(best[name], time.process_time() - start)
-    return best
-
-
 def fastest(work: Callable[[], object], repeats: int) -> float:
     """Least seconds of processor time that one call took."""
     return least_seconds({"": work}, repeats)[""]
-
-
-def setup_arguments(count: int) -> tuple:
-    """Random triangles with normals up to about 45 degrees apart, for the kernels of ``METHODS``."""
-    rng = np.random.default_rng(1)
-    normals = np.array([0.0, 0.0, 1.0]) + rng.normal(scale=0.25, size=(count, 3, 3))
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    return kernel_arguments(rng.uniform(0, 100, (count, 3, 2)), normals, np.array([0.36, 0.48, 0.80]))
-
-
-@njit
-def again(kernel, rounds, arguments):
-    """Run a kernel of ``METHODS`` many times."""
-    for _ in range(rounds):
-        kernel(*arguments)
-
-
-def setups(rounds: int, repeats: int) -> dict[str, float]:
-    """Set-ups per second of each method."""
-    arguments = setup_arguments(SETUPS)
-    works = {name: partial(again, kernel, rounds, arguments) for name, kernel in METHODS.items()}
-    return {name: SETUPS * rounds / seconds for name, seconds in least_seconds(works, repeats).items()}
 
 
 def host_path(scene: str, cull: bool, repeats: int) -> dict:
@@ -208,7 +170,9 @@ def measure(scene: str, golden: int, slices: int, repeats: int) -> dict:
         raise QuadshadeError("compiled and plain set-up differ", "this is a bug: please report it")
     return {
         "load": round(os.getloadavg()[0], 1),
-        "setups": setups(SETUP_ROUNDS, 4 * repeats),
+        "processor": processor(),
+        **setups(SETUP_ROUNDS, 4 * repeats),
+        "bounds": bounds(SETUP_ROUNDS, 4 * repeats),
         "host_path": {name: host_path(scene, name == "culled", repeats) for name in ("all", "culled")},
         "golden": golden_model(golden, 2 * repeats),
         "memory": [peak_memory(stacks, slices) for stacks in (251, 501, 1001)],
@@ -221,24 +185,10 @@ def total_rate(path: dict, what: str = "triangles") -> float:
     return path[what] / sum(path["seconds"].values())
 
 
-def met(value: float, target: float, most: bool = False) -> str:
-    """A target's cell."""
-    good = value <= target if most else value >= target
-    return f"{'≤' if most else '≥'} {target:,.10g} {'met' if good else 'MISSED'}"
-
-
 def sections(results: dict) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
     """Title, header and rows of every table of the report."""
-    rates, plain = results["setups"], results["plain"]
-    rows = []
-    for name, rate in rates.items():
-        ratio, paper = rate / rates["abbas"], PAPER["abbas"] / PAPER[name] if name in PAPER else None
-        goal = [met(rate, TARGETS["x_shading"])] if name == "x_shading" else []
-        goal += [met(ratio, TARGETS["ratio"])] if name.startswith("x_shading") else []
-        cells = f"{rate / 1e6:.1f}", f"{ratio:.2f}", f"{paper:.2f}" if paper else ""
-        rows.append((f"`{name}`", *cells, f"{rate / plain['setups'][name]:,.0f}", ", ".join(goal)))
-    header = "method", "million a second", "to Abbas", "Barrera's Table 1", "to a plain loop", "target"
-    found = [("Set-ups", header, rows)]
+    plain = results["plain"]
+    found = setup_tables(results)
 
     path, slow = results["host_path"], plain["host_path"]
     rows = []
@@ -297,13 +247,8 @@ def report(results: dict) -> str:
     """The report's text, from nothing but the numbers of the JSON file."""
     path = f"`{results['scene']}` on {SCREEN} x {SCREEN}"
     explained = {
-        "Set-ups": """
-From vertices, normals and a directional light to the six coefficients (`setup/literature/methods.py`),
-counted as in Barrera et al., Table 1: the first three compute and normalise the normals in the middles of
-the edges, as printed (their equations 1-6); `general` solves six equations by elimination. `x_shading` is
-their equation 32; `x_shading_stored` takes Ni · Nj from the mesh, as their section 4 proposes. What three
-square roots and divisions less are worth depends on the processor: theirs was a Pentium 4.
-""",
+        "Set-ups": EXPLAINED,
+        "What binds the set-ups": what_binds(results),
         "Host path": f"""
 Transform, light six points, set up and quantise, pack: {path}, quadratic RGB with
 depth, default light and camera, culling off. A triangle counts where it has an area on the screen.
@@ -320,7 +265,8 @@ triangle are those beyond the first row.
 
 Written by `{results["command"]}`
 (`make hostspeed`). Rates are of one core: the least processor time of several repetitions, compilation not
-counted; the machine's load was {results["load"]}. The plain loop is the same code with compilation off,
+counted; on {results["processor"]}, at a load of {results["load"]}.
+The plain loop is the same code with compilation off,
 or the scalar golden model, measured in the same run, with the same words and pixels.
 """
     parts = [head.strip()]
@@ -340,7 +286,7 @@ or the scalar golden model, measured in the same run, with the same words and pi
 def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain: bool) -> None:
     """Measure the host's speed on one core and write the tables."""
     if plain:
-        print(json.dumps({"setups": setups(1, 1), "host_path": host_path(PLAIN_SCENE, False, 1)}))
+        print(json.dumps({**setups(1, 1), "host_path": host_path(PLAIN_SCENE, False, 1)}))
         return
     command = command_line("host_speed", scene=scene, golden=golden, slices=slices, repeats=repeats)
     results = {"command": command, "scene": scene} | measure(scene, golden, slices, repeats)

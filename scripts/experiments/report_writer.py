@@ -47,6 +47,12 @@ def paragraph(text: str) -> str:
     return fill(" ".join(text.split()), COLUMNS)
 
 
+def met(value: float, target: float, most: bool = False) -> str:
+    """A target's cell."""
+    good = value <= target if most else value >= target
+    return f"{'≤' if most else '≥'} {target:,.10g} {'met' if good else 'MISSED'}"
+
+
 def rows_as_json(content: Any, indent: str = "") -> str:
     """JSON in which a list or an object that holds only plain values stands on one line."""
     entries = content.values() if isinstance(content, dict) else content if isinstance(content, list) else ()

@@ -43,6 +43,8 @@ COMMANDS = {
 """What is written, and by which words of the command line; small, because interpreted loops are slow."""
 
 COMPUTED = "computed.npz"
+FUSED = "fused "
+"""Before the names of what is computed with products fused with sums: each saves a rounding."""
 
 
 def draw(folder: Path) -> None:
@@ -66,7 +68,8 @@ def compute(folder: Path) -> None:
     from quadshade.adapt.polynomial_fit import weighted_fit
     from quadshade.contract.formats import Formats
     from quadshade.scene import load_scene, parse_camera, project
-    from quadshade.setup.literature.methods import METHODS, coefficients
+    from quadshade.setup.literature.kernels import METHODS, coefficients
+    from quadshade.setup.literature.methods import FITS, fit
     from quadshade.setup.tile import Cuttable, Rectangle
     from quadshade.setup.triangle_setup import setup_triangles
     from quadshade.shading.lights import PointLight
@@ -78,7 +81,10 @@ def compute(folder: Path) -> None:
     direction = np.array([1.0, 2.0, 3.0]) / 14**0.5
     divided = highlight_subdivision(projected, [light], threshold=0.05).projected
     vertices = projected.vertices / 256.0
-    terms = {method: coefficients(method, vertices, projected.normal, direction) for method in METHODS}
+    six = np.random.default_rng(2).random((len(projected), 6))
+    terms = {method: fit(method, vertices, six) for method in FITS}
+    for method in METHODS:
+        terms[FUSED + method] = coefficients(method, vertices, projected.normal, direction)
     where, what = highlight_centres(projected, np.arange(len(projected)), light)
     # Over the screen's borders, and steep enough to be drawn in parts.
     formats = Formats(num_channels=1, coord_bits=4, frac_bits=6)
