@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from numbers import Integral
 from typing import NamedTuple
 
@@ -226,6 +226,13 @@ class Formats:
     def __post_init__(self) -> None:
         self.check()
 
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(self.generics().values()))
+
+    def __hash__(self) -> int:
+        return self._hash
+
     def check(self) -> None:
         """Raise :class:`QuadshadeError` naming the first generic that is out of range."""
         for name, value in self.generics().items():
@@ -254,22 +261,17 @@ class Formats:
         QuadshadeError
           A name that is not a generic, or a value out of range.
         """
-        known = [f.name for f in fields(self)]
-        for name in settings:
-            if name not in known:
-                raise QuadshadeError(
-                    f"the core has no generic {name!r}", f"the generics are {', '.join(known)}"
-                )
-        return replace(self, **settings)
+        return _with_generics(self, tuple(settings.items()))
 
     def generics(self) -> dict[str, int]:
         """All generics by VHDL name."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
-    @property
+    @cached_property
     def core(self) -> Formats:
         """Formats of the rasteriser core within: with shade its lanes emit more bits of the same values."""
-        return _core(self)
+        plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
+        return replace(self, value_bits=self.lane_value_bits, frac_bits=self.lane_frac_bits, **plain)
 
     def core_generics(self) -> dict[str, int]:
         """Generics of the rasteriser core alone by VHDL name."""
@@ -277,22 +279,28 @@ class Formats:
 
     def section(self, name: str) -> dict[str, tuple[int, int]]:
         """Bit offset and width of every field of a section."""
-        table = {}
-        offset = 0
-        for field, width, _ in dict(SECTIONS)[name]:
-            table[field] = (offset, self.evaluate(width))
-            offset += table[field][1]
-        return table
+        return self._sections[name].copy()
+
+    @cached_property
+    def _sections(self) -> dict[str, dict[str, tuple[int, int]]]:
+        """All of :meth:`section`, found out once."""
+        tables: dict[str, dict[str, tuple[int, int]]] = {}
+        for name, section in SECTIONS:
+            offset, table = 0, tables.setdefault(name, {})
+            for field, width, _ in section:
+                table[field] = (offset, self.evaluate(width))
+                offset += table[field][1]
+        return tables
 
     def section_bits(self, name: str) -> int:
         """Bits of a section, without padding."""
-        return sum(width for _, width in self.section(name).values())
+        return sum(width for _, width in self._sections[name].values())
 
     def section_beats(self, name: str) -> int:
         """Beats of a section."""
         return -(-self.section_bits(name) // self.stream_width)
 
-    @property
+    @cached_property
     def channel_groups(self) -> tuple[tuple[int, ...], ...]:
         """
         Channels that share a beat, group by group; a group sends its differences in order, a beat each.
@@ -329,6 +337,16 @@ class Formats:
         """Lowest and highest vertex coordinate in sub-pixels, both allowed."""
         size = 1 << (self.coord_bits + self.subpixel_bits)
         return -size, 2 * size - 1
+
+
+@lru_cache
+def _with_generics(formats: Formats, settings: tuple[tuple[str, int], ...]) -> Formats:
+    """See :meth:`Formats.with_generics`: the same object for the same settings, which knows what follows."""
+    known = [f.name for f in fields(formats)]
+    for name, _ in settings:
+        if name not in known:
+            raise QuadshadeError(f"the core has no generic {name!r}", f"the generics are {', '.join(known)}")
+    return replace(formats, **dict(settings))
 
 
 DERIVED = tuple(
@@ -372,10 +390,3 @@ def parse_generics(values: Iterable[str]) -> dict[str, int]:
             raise QuadshadeError(f"generic {name} is {value[:40]!r}", "give a whole number")
         settings[name] = int(value)
     return settings
-
-
-@lru_cache
-def _core(formats: Formats) -> Formats:
-    """See :attr:`Formats.core`; evaluated once, as frames ask for it many times."""
-    plain = {name: getattr(Formats, name) for name in SHADE_GENERICS}
-    return replace(formats, value_bits=formats.lane_value_bits, frac_bits=formats.lane_frac_bits, **plain)

@@ -55,6 +55,8 @@ class DerivedWidth:
     """
     A number that follows from others: a read-only attribute of its class, written to VHDL as a function.
 
+    It is evaluated once for each object, which never changes.
+
     Parameters
     ----------
     expression : str
@@ -66,6 +68,9 @@ class DerivedWidth:
     def __init__(self, expression: str, meaning: str) -> None:
         self.expression, self.meaning, self.__doc__ = expression, meaning, meaning
 
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
     @overload
     def __get__(self, names: None, owner: type) -> DerivedWidth: ...
 
@@ -73,4 +78,8 @@ class DerivedWidth:
     def __get__(self, names: Hashable, owner: type) -> int: ...
 
     def __get__(self, names: Hashable | None, owner: type) -> DerivedWidth | int:
-        return self if names is None else evaluate(self.expression, names)
+        if names is None:
+            return self
+        # Python looks here before it asks the descriptor again.
+        value = vars(names)[self._name] = evaluate(self.expression, names)
+        return value
