@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from quadshade.adapt import CosineShader, adapt, error_figures, pixel_errors, refine, stream_bytes
+from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.costs import state_bytes
-from quadshade.adapt.polynomial_fit import POINTS, fit_at, shape_functions, weighted_fit
-from quadshade.adapt.shader import ColourShader
+from quadshade.adapt.polynomial_fit import POINTS, fit_at, shape_functions
 from quadshade.adapt.small_triangles import FEW, pixel_centres
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.engine import draw
@@ -199,26 +199,30 @@ def test_scenes_without_cosines() -> None:
 def test_small_triangles_are_known_by_their_pixels() -> None:
     whole = looked_at(load_scene("sphere:690"), 96)
     formats = Formats()
-    places = pixel_centres(whole, formats, whole, np.arange(len(whole)))
+    places = pixel_centres(whole, formats.subpixel_bits, whole, np.arange(len(whole)))
     pixels = draw(sample(whole, "flat"), formats).pixels
     have = np.bincount(pixels.triangle, minlength=len(whole))
     assert (places.pixels == have).mean() > 0.9
     assert (places.rows == np.flatnonzero((have > 0) & (have <= FEW))).all()
-    assert (places.used.sum(axis=1) == have[places.rows]).all()
-    assert places.points[places.used].min() >= 0
+    assert (places.have == have[places.rows]).all()
+    assert places.points.min() >= 0
     assert (places.whole == places.points).all()
     parts, root = refine(whole, np.ones(len(whole), dtype=bool))
-    few = pixel_centres(parts, formats, whole, root)
+    few = pixel_centres(parts, formats.subpixel_bits, whole, root)
     at = [
-        np.einsum("kpj,kjx->kpx", points, corners.astype(float))
+        np.einsum("pj,pjx->px", points, np.repeat(corners, few.have, axis=0).astype(float))
         for points, corners in (
             (few.points, parts.vertices[few.rows]),
             (few.whole, whole.vertices[root[few.rows]]),
         )
     ]
     # The same pixels' centres, in 1/256 pixel.
-    np.testing.assert_allclose(at[0][few.used], at[1][few.used], atol=1e-6)
-    assert (np.rint(at[0][few.used]) % 256 == 128).all()
+    np.testing.assert_allclose(at[0], at[1], atol=1e-6)
+    assert (np.rint(at[0]) % 256 == 128).all()
+    drawn = draw(sample(parts, "flat"), formats).pixels
+    order = np.lexsort((drawn.x, drawn.y, drawn.triangle))
+    order = order[np.isin(drawn.triangle[order], few.rows)]
+    assert (np.floor(at[0] / 256) == np.stack([drawn.x, drawn.y], axis=1)[order]).all()
     # What an order's words can meet exactly, they do: a pixel is one place, three are a plane's.
     shader = ColourShader(None, SHINY, formats, whole)
     errors = np.full(len(whole), np.nan)
@@ -233,16 +237,16 @@ def test_small_triangles_are_known_by_their_pixels() -> None:
 
 
 @pytest.mark.parametrize("order", [CONSTANT, LINEAR, QUADRATIC])
-def test_weighted_fits_reproduce_what_their_order_can(order: int) -> None:
+def test_fits_reproduce_what_their_order_can(order: int) -> None:
     rng = np.random.default_rng(order)
     places = np.broadcast_to(POINTS, (7, *POINTS.shape))
     samples = rng.uniform(60, 200, (7, 3, (1, 3, 6)[order]))
     values = samples @ np.swapaxes(shape_functions(places, order), 1, 2)
-    found = weighted_fit(shape_functions(places, order), values, rng.uniform(0.1, 1, values.shape))
-    np.testing.assert_allclose(found, samples, atol=1e-5)
     used = np.ones(places.shape[:2], dtype=bool)
     for measure in ("max", "rms"):
-        assert fit_at(places, used, values, order, 255.0, measure).largest.max() < 1e-5
+        found = fit_at(places, used, values, order, 255.0, measure)
+        assert found.largest.max() < 1e-5
+        np.testing.assert_allclose(found.samples[..., : samples.shape[2]], samples, atol=1e-4)
 
 
 def test_equal_extremes_are_less_than_the_mean_squares() -> None:

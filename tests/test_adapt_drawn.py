@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from quadshade.adapt import CosineShader, LightShader, adapt, phong_pixels, pixel_errors, refine
+from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.costs import stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import Planner
-from quadshade.adapt.shader import ColourShader, Shader
+from quadshade.adapt.shader import Shader
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
@@ -131,11 +134,11 @@ def test_work_is_done_once_and_only_where_it_can_win(
     shaded: list[int] = []
     drawn: dict[Formats, list[int]] = {}
     halves: list[int] = []
-    shade_all, errors = phong_pixels._shade_all, PhongPixels.errors
+    shade_rows, errors = phong_pixels.shade_rows, PhongPixels.errors
 
-    def shading(pixels: phong_pixels.MeshPixels, *others: object) -> None:
-        shaded.append(len(pixels.light))
-        shade_all(pixels, *others)
+    def shading(*given: Any) -> None:
+        shaded.append(len(given[-1]))
+        shade_rows(*given)
 
     def drawing(
         self: PhongPixels, triangles: ScreenTriangles, root: np.ndarray, formats: Formats
@@ -150,7 +153,7 @@ def test_work_is_done_once_and_only_where_it_can_win(
     judge = {kind: kind.halves for kind in (ColourShader, CosineShader, LightShader)}
     for kind in judge:
         monkeypatch.setattr(kind, "halves", judging)
-    monkeypatch.setattr(phong_pixels, "_shade_all", shading)
+    monkeypatch.setattr(phong_pixels, "shade_rows", shading)
     monkeypatch.setattr(PhongPixels, "errors", drawing)
     adapted = adapt(whole, None, SHINY, max_error=4.0, shading="auto")
     assert adapted.rival is not None and adapted.rival.error is None

@@ -6,14 +6,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from quadshade.adapt import ColourShader, choose, cosine_fit, polynomial_fit
+from quadshade.adapt import ColourShader, CosineShader, choose, cosine_shader, polynomial_fit
 from quadshade.adapt.choose import Goal, choose_orders, settle
+from quadshade.adapt.cosine_loops import fit_cosines
 from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
-from quadshade.adapt.polynomial_fit import POINTS, fit, fit_at, shape_functions
+from quadshade.adapt.polynomial_fit import POINTS, fit, fit_at
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC, Formats
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.setup.triangle_setup import setup_triangles
-from quadshade.shading import Material
+from quadshade.shading import Material, specular_formats
+from quadshade.shading.point_sets import shared_points
 
 SHINY = Material(exponent=50)
 
@@ -63,14 +65,17 @@ def test_equalising_steps_are_worth_their_time(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_secants_fit_the_power_and_not_the_cosine(monkeypatch: pytest.MonkeyPatch) -> None:
-    cosine = np.clip(0.7 + 0.28 * np.cos(1.5 * (bumps(20)[:, :1] / 255)), -1, 1)
-    used, lit = np.ones(cosine.shape, dtype=bool), np.ones(cosine.shape, dtype=bool)
-    weight = np.ones(cosine.shape)
-    channel = cosine_fit.Specular(cosine, weight, used, np.array([[255.0]]), lit, 60.0)
-    shape = shape_functions(POINTS, LINEAR)[None]
-    better = channel.best(shape, None, "rms").square
-    monkeypatch.setattr(cosine_fit, "SECANTS", 0)
-    worse = channel.best(shape, None, "rms").square
+    whole = looked_at("sphere:168")
+    errors = []
+    for secants in (cosine_shader.SECANTS, 0):
+        monkeypatch.setattr(cosine_shader, "SECANTS", secants)
+        shader = CosineShader(None, SHINY, specular_formats({}, whole, None, SHINY), whole, "rms")
+        cosines = shader._cosines(whole, np.arange(len(whole)), shared_points(POINTS, np.arange(len(whole))))
+        samples, own = np.zeros((len(whole), 2, 3, 6)), np.zeros((len(whole), 2, 3))
+        sets, nodes = shared_points(POINTS, np.arange(len(whole))), np.empty((0, 6), np.int64)
+        fit_cosines(shader.kind, sets, *cosines, nodes, np.arange(len(whole)), samples, own)
+        errors.append(own[:, 1, LINEAR])
+    better, worse = errors
     assert (better <= worse).all() and better.mean() < 0.999 * worse.mean()
 
 
@@ -117,7 +122,7 @@ def test_parts_are_assessed_once_and_forgotten_when_they_are_many() -> None:
         asked.append(len(root))
         values = projected.vertices.sum(axis=(1, 2)).astype(float)
         none = np.zeros((len(root), 0, 3), dtype=np.int64)
-        return Assessed(values, values, none[:, :, 0], values[:, None], values, none)
+        return Assessed(values, values, none[:, :, 0], values[:, None], values, none, none[:, :, 0])
 
     memory, root = PartMemory(assess, most=len(whole) + 5), np.arange(len(whole))
     undivided = np.full(len(whole), WHOLE)

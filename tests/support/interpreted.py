@@ -65,7 +65,6 @@ def compute(folder: Path) -> None:
 
     from quadshade.adapt.cho import highlight_subdivision
     from quadshade.adapt.highlight import highlight_centres
-    from quadshade.adapt.polynomial_fit import weighted_fit
     from quadshade.contract.formats import Formats
     from quadshade.scene import load_scene, parse_camera, project
     from quadshade.setup.literature.kernels import METHODS, coefficients
@@ -96,7 +95,6 @@ def compute(folder: Path) -> None:
         whole = Cuttable(setup_triangles(crossing, formats, fractional=fractional), formats)
         for where_cut in (Rectangle(3, 2, 5, 6), Rectangle(0, 0, 12, 10)):
             terms[f"{name}{where_cut.width}"] = whole.to(where_cut).words
-    terms["fit"] = weighted_fit(np.eye(4, 3)[None], numbers.random((5, 2, 4)), numbers.random((5, 2, 4)))
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 
 

@@ -5,6 +5,7 @@ from quadshade.adapt.adapted import ErrorCurve, adapt
 from quadshade.adapt.centre_test import centre_error, centre_subdivision
 from quadshade.adapt.cho import Subdivided, highlight_subdivision, regular_subdivision
 from quadshade.adapt.choose import Goal, choose_orders
+from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.costs import ErrorFigures, error_figures, pixel_errors, stream_bytes
 from quadshade.adapt.highlight import (
@@ -14,7 +15,6 @@ from quadshade.adapt.highlight import (
     with_neighbours,
 )
 from quadshade.adapt.plan import Adapted, Rival
-from quadshade.adapt.shader import ColourShader
 from quadshade.scene.subdivide import insert_vertices, refine, shared_edges, split_edges
 
 __all__ = [

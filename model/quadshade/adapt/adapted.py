@@ -4,18 +4,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from quadshade.adapt.choose import OUTPUT_ROUNDING
+from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import Adapted, LineCount, Planner, Rival
 from quadshade.adapt.refit import Refit
-from quadshade.adapt.shader import ColourShader, Shader
+from quadshade.adapt.shader import Shader
 from quadshade.choices import ADAPTIVE_FITS, MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
@@ -79,7 +80,8 @@ class ErrorCurve:
         check_word("error measure", measure, MEASURES)
         check_word("shading", shading, SHADINGS)
         self.measure, self.verify = measure, verify
-        self.curves: list[Curve] = []
+        self._planners: dict[str, Planner] = {}
+        self._curves: dict[str, Curve] = {}
         self.refused: dict[str, QuadshadeError] = {}
         phong: PhongPixels | None = None
         for kind in SHADERS if shading == "auto" else (shading,):
@@ -88,11 +90,47 @@ class ErrorCurve:
                 if phong is None:
                     # Cosines' core has the same output and sub-pixels as that of colours.
                     phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
-                self.curves.append(Curve(Planner(projected, shader, phong, count_line), verify))
+                self._planners[kind] = Planner(projected, shader, phong, count_line)
             except QuadshadeError as reason:
                 self.refused[kind] = reason
-        if not self.curves:
+        if not self._planners:
             raise next(iter(self.refused.values()))
+
+    @property
+    def curves(self) -> list[Curve]:
+        """Those of all kinds of channels that can be had."""
+        return self._curves_of(self._planners)
+
+    def _curves_of(self, kinds: Iterable[str]) -> list[Curve]:
+        """Of some kinds, each fitted when it is first asked for."""
+        for kind in kinds:
+            if kind not in self._curves and kind not in self.refused:
+                try:
+                    curve = Curve(self._planners[kind], self.verify)
+                    # What the set-up cannot draw is known now.
+                    _ = curve.planner.whole
+                    self._curves[kind] = curve
+                except QuadshadeError as reason:
+                    self.refused[kind] = reason
+        found = [self._curves[kind] for kind in kinds if kind in self._curves]
+        if not found:
+            raise next(iter(self.refused.values()))
+        return found
+
+    def _possible(self, max_error: float) -> tuple[list[Curve], list[Rival]]:
+        """Kinds of channels whose picture for an error may take least, and what others take at least."""
+        if self.measure != "max" or not self.verify or len(self._planners) == 1:
+            return self.curves, []
+        bounds = {kind: planner.least_possible(max_error) for kind, planner in self._planners.items()}
+        kinds = sorted(bounds, key=lambda kind: bounds[kind])
+        first = self._curves_of(kinds[:1])[0] if kinds[0] not in self.refused else None
+        if first is None or first.planner.divides_much(max_error):
+            return self.curves, []
+        picture = first.picture(first.first_within(max_error))
+        most = picture.cost("bytes") if picture.error <= max_error else math.inf
+        hopeless = [kind for kind in kinds if bounds[kind] > most]
+        curves = self._curves_of([kind for kind in self._planners if kind not in hopeless])
+        return curves, [Rival(kind, bounds[kind]) for kind in hopeless]
 
     def for_error(self, max_error: float) -> Adapted:
         """The picture of the fewest bytes that keeps an error; see :func:`adapt`."""
@@ -104,13 +142,13 @@ class ErrorCurve:
             )
         if max_error == math.inf:
             raise QuadshadeError("the allowed error is infinite", "give a number of grey levels")
-        first = [curve.first_within(max_error) for curve in self.curves]
-        floors = [curve.floor(index) for curve, index in zip(self.curves, first, strict=True)]
+        curves, hopeless = self._possible(max_error)
+        first = [curve.first_within(max_error) for curve in curves]
+        floors = [curve.floor(index) for curve, index in zip(curves, first, strict=True)]
         enough = most = math.inf
         pictures: list[Picture] = []
-        hopeless: list[Rival] = []
         for number in np.argsort(floors, kind="stable"):
-            curve, index = self.curves[number], first[number]
+            curve, index = curves[number], first[number]
             if floors[number] > most:
                 # No picture of these channels can win, so none is drawn.
                 hopeless.append(Rival(curve.shading, floors[number]))
@@ -122,20 +160,22 @@ class ErrorCurve:
                 most = min(most, picture.cost("bytes") if picture.error <= max_error else math.inf)
             pictures.append(picture)
         if self.fit != ADAPTIVE_FITS[0]:
-            curves = {curve.shading: curve for curve in self.curves}
             least = min(picture.cost("bytes") for picture in pictures)
             for number, picture in enumerate(pictures):
                 if picture.cost("bytes") <= CLOSE * least:
-                    curve = curves[picture.plan.planner.shader.shading]
+                    curve = self._curves[picture.plan.planner.shader.shading]
                     pictures[number] = self._cheapest_refit(curve, picture, max_error)
         pictures.sort(key=lambda picture: (picture.error > max_error, picture.cost("bytes")))
+        hopeless.sort(key=lambda rival: rival.bytes or 0)
         return self._adapted(pictures, self.refused, hopeless)
 
     def for_budget(self, budget: int, unit: str = "bytes") -> Adapted:
         """The picture with the least error that takes no more than a budget; see :func:`adapt`."""
         check_word("budget's unit", unit, UNITS)
         pictures, refused = [], dict(self.refused)
-        for curve in self.curves:
+        curves = self.curves
+        refused |= self.refused
+        for curve in curves:
             least = curve.picture(0).cost(unit)
             picture = curve.best(budget, unit) if least <= HOPELESS * budget else None
             if picture is None:
@@ -146,7 +186,7 @@ class ErrorCurve:
             else:
                 pictures.append(picture)
         if not pictures:
-            raise refused[self.curves[0].shading]
+            raise refused[curves[0].shading]
         pictures.sort(key=lambda picture: (picture.error, picture.cost(unit)))
         if self.fit != ADAPTIVE_FITS[0]:
             pictures[0] = self._best_refit(pictures[0], budget, unit)
@@ -173,7 +213,7 @@ class ErrorCurve:
     def _best_refit(self, picture: Picture, budget: int, unit: str) -> Picture:
         """The one with the least error that a budget pays for, of a picture and of those fitted anew."""
         shading = picture.plan.planner.shader.shading
-        curve = next(curve for curve in self.curves if curve.shading == shading)
+        curve = self._curves[shading]
         best, dear = picture, 0
         for index in range(curve.first_within(picture.error), len(curve)):
             tried = self._refit(curve, index)

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
-from quadshade.adapt.shader import Choice, Shader, Surface, chosen_samples
-from quadshade.scene.subdivide import CHILDREN, Edges, children, possible_splits, shared_edges, split_edges
+from quadshade.adapt.shader import Choice, Shader, Surface
+from quadshade.contract.arrays import Bools, Floats, Int, Ints
+from quadshade.scene.subdivide import CHILDREN, Edges, children, possible_splits, split_edges
 
 SHORT = 0.12
 """Of a triangle's longest edge; shorter ones are not split for its sake."""
@@ -49,7 +51,8 @@ class Decision:
     Attributes
     ----------
     orders : (n, channels) int64
-    samples : (n, channels, 6) float64
+    samples : (n, channels, 6) float64 or None
+      None: those that were assessed for the orders.
     largest : (n,) float64
       Estimated largest difference before the output is rounded, set-up's rounding bound included (``max``).
     square : (n,) float64
@@ -66,7 +69,7 @@ class Decision:
     """
 
     orders: np.ndarray
-    samples: np.ndarray
+    samples: np.ndarray | None
     largest: np.ndarray
     square: np.ndarray
     gain: Callable[[np.ndarray], np.ndarray]
@@ -114,9 +117,8 @@ def choose_orders(surface: Surface, shader: Shader, goal: Goal) -> Decision:
             return _gain_rms(chosen.take(rows), halves, pixels[rows], goal.price)
 
         wanting, largest, square = several, nothing, chosen.error
-    samples = chosen_samples(assessed, chosen.orders)
     forced = shader.measure == "max"
-    return Decision(chosen.orders, samples, largest, square, gain, wanting, forced, goal.agree)
+    return Decision(chosen.orders, None, largest, square, gain, wanting, forced, goal.agree)
 
 
 def _foreseen(choice: Choice, allowed: np.ndarray, order: int) -> np.ndarray:
@@ -143,29 +145,74 @@ def _gain_rms(chosen: Choice, halves: Choice, pixels: np.ndarray, price: float) 
     return now[:, None] - (left * (pixels / 2)[:, None, None] + price * halves.words).sum(axis=2)
 
 
+@njit(cache=True)
+def _near(index: Ints, wanting: Bools, edges: int) -> Ints:
+    """Rows of triangles that may be divided, and of their neighbours, from (n, 3) edges of triangles."""
+    asked, near = np.zeros(edges, np.bool_), np.zeros(len(index), np.bool_)
+    for row in range(len(index)):
+        for side in range(3):
+            if wanting[row]:
+                asked[index[row, side]] = True
+    for row in range(len(index)):
+        near[row] = asked[index[row, 0]] or asked[index[row, 1]] or asked[index[row, 2]]
+    return np.flatnonzero(near)
+
+
+@njit(cache=True, error_model="numpy")
+def _best_edges(
+    index: Ints, ends: Ints, rows: Ints, gain: Floats, wanting: Bools, forced: bool, agree: float
+) -> Bools:
+    """Which edges to split: of each triangle that may be divided the one that saves most, if it saves."""
+    total, asked, marks = np.zeros(len(ends)), np.zeros(len(ends)), np.zeros(len(ends), np.bool_)
+    longest = 0.0
+    for number in range(len(rows)):
+        for side in range(3):
+            edge = index[rows[number], side]
+            total[edge] += gain[number, side]
+            asked[edge] += wanting[rows[number]]
+    if agree:
+        for edge in range(len(ends)):
+            longest = max(longest, _length(ends, edge))
+    length, value = np.empty(3), np.empty(3)
+    for number in range(len(rows)):
+        mine = index[rows[number]]
+        if not wanting[rows[number]]:
+            continue
+        for side in range(3):
+            length[side] = _length(ends, mine[side])
+            # What the neighbour loses counts; what it wins is its own reason to ask for the edge.
+            value[side] = gain[number, side] + min(total[mine[side]] - gain[number, side], 0.0)
+        # Short edges stay, so that parts do not become slivers.
+        value[length < SHORT * length.max()] = -np.inf
+        best, most = int(value.argmax()), value.max()
+        if agree:
+            liked = -np.inf
+            for side in range(3):
+                as_good = value[side] >= most - agree * max(abs(most), 1.0)
+                like = asked[mine[side]] * 4 * longest + length[side] if as_good else -1.0
+                if like > liked:
+                    best, liked = side, like
+        if forced or value[best] > 0:
+            marks[mine[best]] = True
+    return marks
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _length(ends: Ints, edge: Int) -> float:
+    """Length of an edge in sub-pixels."""
+    x, y = float(ends[edge, 1, 0] - ends[edge, 0, 0]), float(ends[edge, 1, 1] - ends[edge, 0, 1])
+    return np.sqrt(x * x + y * y)
+
+
 def _marks(surface: Surface, decision: Decision) -> tuple[Edges, np.ndarray]:
     """Edges of the surface, and which of them to split: for each triangle the one that saves most."""
-    edges = shared_edges(surface.projected.vertices)
+    edges = surface.edges
     # Asked are those that may be divided, and their neighbours.
-    near = edges.marked(np.repeat(decision.wanting[:, None], 3, axis=1))[edges.index].any(axis=1)
-    rows, gain = np.flatnonzero(near), np.zeros(edges.index.shape)
-    gain[rows] = decision.gain(rows)
-    total = np.bincount(edges.index.ravel(), gain.ravel(), minlength=len(edges))
-    # What the neighbour loses counts; what it wins is its own reason to ask for the edge.
-    value = gain + np.minimum(total[edges.index] - gain, 0)
-    # Short edges stay, so that parts do not become slivers.
-    length = np.linalg.norm(edges.ends[:, 1] - edges.ends[:, 0], axis=1)[edges.index]
-    value[length < SHORT * length.max(axis=1, keepdims=True)] = -np.inf
-    best = value.argmax(axis=1)
-    if decision.agree:
-        most = value.max(axis=1, keepdims=True)
-        asked = np.bincount(edges.index[decision.wanting].ravel(), minlength=len(edges))[edges.index]
-        as_good = value >= most - decision.agree * np.maximum(abs(most), 1)
-        best = np.where(as_good, asked * 4 * length.max(initial=0) + length, -1).argmax(axis=1)
-    rows = np.arange(len(best))
-    marks = np.zeros(len(edges), dtype=bool)
-    marks[edges.index[rows, best][decision.wanting & (decision.forced | (value[rows, best] > 0))]] = True
-    return edges, marks
+    rows = _near(edges.index, decision.wanting, len(edges))
+    gain = decision.gain(rows)
+    return edges, _best_edges(
+        edges.index, edges.ends, rows, gain, decision.wanting, decision.forced, decision.agree
+    )
 
 
 def divide(surface: Surface, decision: Decision, shader: Shader) -> Surface:

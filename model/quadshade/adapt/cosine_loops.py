@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Weighted fits of cosines in compiled loops, and what they leave in the colour."""
+"""Weighted fits of cosines in compiled loops."""
 
 from __future__ import annotations
 
@@ -8,292 +8,295 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from quadshade.adapt.polynomial_loops import one_fit
-from quadshade.contract.arrays import Bools, Floats, Int, Ints
-from quadshade.shading.phong_loops import power
+from quadshade.adapt.polynomial_loops import (
+    ALL_SHAPES,
+    FAST,
+    SHAPE_ROWS,
+    SIZES,
+    drawn_by,
+    one_fit,
+    padded,
+    reweighted,
+    shape_rows,
+)
+from quadshade.contract.arrays import Floats, Int, Ints
+from quadshade.shading.phong_loops import raise_all
+from quadshade.shading.point_sets import PointSets
 
 FAINT = 1e-4
 """Weight of a point without specular light."""
+DARK = 0.02
+"""Weight of a point in the dark, where a diffuse cosine only has to be negative."""
 
 
 class CosineKind(NamedTuple):
     """
-    How a cosine that is drawn differs from the one that it should be.
+    How a picture's colours follow from cosines, and how fits to them are looked for.
 
     Attributes
     ----------
-    specular : bool
-      It is raised to a power; else it counts where it is positive.
     exponent : float
+      What specular cosines are raised to.
     whole : int
       The exponent where it is an integer, else -1.
+    powered : bool
+      They are; else they are powers already.
+    ambient : (3,) float64
+    diffuse, specular : (lights, 3) float64
+      Output units that a full cosine, or power, adds.
+    scale : (2 lights,) float64
+      The same by the measure, diffuse cosines first.
+    full : float
+      Largest value of the output.
     largest : bool
       The measure is ``max``, else the mean square.
     secants, equalising : int
-      Repetitions.
+      Repetitions with the power's slope between the cosine and what it became, and towards equal extremes.
+    orders : int
+      How many there are.
     """
 
-    specular: bool
     exponent: float
     whole: int
+    powered: bool
+    ambient: Floats
+    diffuse: Floats
+    specular: Floats
+    scale: Floats
+    full: float
     largest: bool
     secants: int
     equalising: int
+    orders: int
+
+
+# Rows of the room that a channel's fit works in.
+VALUE, RAISED, LIT, WEIGHT, FIRST_WEIGHT, DRAWN, REST, PART, SHINE = range(9)
+ROOM = 9
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
+def clamped_powers(values: Floats, kind: CosineKind, room: Floats, count: Int, out: Floats) -> None:
+    """``out`` of values clamped to 0 .. 1 and raised; the room's row ``PART`` is overwritten."""
+    part = room[PART]
+    for p in range(count):
+        level = values[p] if values[p] > 0 else 0.0
+        part[p] = level if level < 1 else 1.0
+    raise_all(part, count, kind.exponent, kind.whole, out)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
+def fill_room(
+    kind: CosineKind, facing: Floats, towards: Floats, specular: bool, scale: float, room: Floats
+) -> None:
+    """
+    Fill the room for a channel: its value, that raised, and weights.
+
+    ``LIT`` is 1 where a specular cosine counts; of a diffuse one the specular term, which appears or vanishes
+    with the cosine's sign.
+    """
+    count, wide = len(facing), padded(len(facing))
+    room[:, count:wide] = 0.0
+    value, raised, lit, first = room[VALUE], room[RAISED], room[LIT], room[FIRST_WEIGHT]
+    clamped_powers(towards, kind, room, count, raised)
+    if not specular:
+        for p in range(count):
+            value[p], lit[p] = facing[p], raised[p] * scale
+            first[p] = 1.0 if facing[p] > 0 else DARK
+        return
+    part = room[PART]
+    for p in range(count):
+        level = towards[p] if towards[p] > 0 else 0.0
+        part[p] = level if level < 1 else 1.0
+    raise_all(part, count, kind.exponent - 1, kind.whole - 1 if kind.whole > 0 else -1, first)
+    for p in range(count):
+        value[p] = towards[p]
+        shines = towards[p] > 0 or not kind.powered
+        lit[p] = 1.0 if facing[p] > 0 and shines else 0.0
+        first[p] = lit[p] * first[p] + FAINT
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
+def measure_fit(
+    kind: CosineKind,
+    shape: Floats,
+    size: Int,
+    samples: Floats,
+    count: Int,
+    specular: bool,
+    scale: float,
+    room: Floats,
+) -> tuple[float, float]:
+    """Clamp samples; write what they draw and leave at each place; return the largest and the mean square."""
+    for i in range(size):
+        samples[i] = min(max(samples[i], -1.0), 1.0)
+    value, raised, lit, drawn, rest, shine = (
+        room[VALUE], room[RAISED], room[LIT], room[DRAWN], room[REST], room[SHINE],
+    )  # fmt: skip
+    wide = padded(count)
+    drawn_by(shape, size, samples, wide, drawn)
+    largest = total = 0.0
+    if specular:
+        clamped_powers(drawn, kind, room, wide, shine)
+        for p in range(wide):
+            rest[p] = abs(shine[p] - raised[p]) * scale * lit[p]
+    else:
+        for p in range(wide):
+            made = drawn[p] if drawn[p] > 0 else 0.0
+            true = value[p] if value[p] > 0 else 0.0
+            flip = lit[p] if (drawn[p] > 0) != (value[p] > 0) else 0.0
+            rest[p] = abs(made - true) * scale + flip
+    for p in range(wide):
+        largest = max(largest, rest[p])
+        total += rest[p] * rest[p]
+    return largest, total / count
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _measured(
+def _level(kind: CosineKind, count: Int, room: Floats) -> float:
+    """The best constant of a specular channel: halfway between the extremes of the power, or its mean."""
+    high, low, total, number = 0.0, 1.0, 0.0, 0
+    for p in range(count):
+        if room[LIT, p] != 0:
+            high, low = max(high, room[RAISED, p]), min(low, room[RAISED, p])
+            total += room[RAISED, p]
+            number += 1
+    level = (high + min(low, high)) / 2 if kind.largest else total / max(number, 1)
+    return level ** (1 / kind.exponent)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
+def _secant_weights(kind: CosineKind, count: Int, room: Floats) -> None:
+    """Weights by the power's slope between a cosine and what it became."""
+    value, drawn, raised = room[VALUE], room[DRAWN], room[RAISED]
+    shine, weights, first = room[SHINE], room[WEIGHT], room[FIRST_WEIGHT]
+    for p in range(count):
+        apart = abs(drawn[p] - value[p])
+        slope = abs(shine[p] - raised[p]) / (apart if apart > 1e-9 else 1.0) / kind.exponent
+        weights[p] = room[LIT, p] * (slope if apart > 1e-9 else first[p]) + FAINT
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
+def _best(
     kind: CosineKind,
     shape: Floats,
-    row: Int,
-    samples: Floats,
-    value: Floats,
-    extra: Floats,
-    raised: Floats,
-    used: Bools,
+    size: Int,
+    count: Int,
+    specular: bool,
     scale: float,
-    drawn: Floats,
-    rest: Floats,
+    nodes: Ints,
+    room: Floats,
+    matrix: Floats,
+    tried: Floats,
+    best: Floats,
 ) -> tuple[float, float]:
-    """
-    Clamp samples; write what they draw and leave at each place; return the largest and the mean square.
-
-    ``extra`` is the specular term of a diffuse cosine's light, or 1 where a specular one is lit; ``raised``
-    the power of ``value``.
-    """
-    places, size = shape.shape[1], shape.shape[2]
-    for i in range(size):
-        samples[i] = min(max(samples[i], -1.0), 1.0)
-    largest = total = 0.0
-    count = 0
-    for p in range(places):
-        cosine = 0.0
-        for i in range(size):
-            cosine += samples[i] * shape[row, p, i]
-        drawn[p] = cosine
-        off = 0.0
-        if used[p]:
-            if kind.specular:
-                if extra[p] != 0:
-                    shine = power(min(max(cosine, 0.0), 1.0), kind.exponent, kind.whole)
-                    off = abs(shine - raised[p]) * scale
+    """The best of several polynomials for one channel: ``best`` (size), its largest error and mean square."""
+    wide = padded(count)
+    weights = room[WEIGHT, :wide]
+    weights[:count] = 1.0
+    value, part = room[VALUE, :wide], room[PART]
+    given = 1 if len(nodes) else 0
+    levels = 1 if specular and size == 1 else 0
+    secants = kind.secants if specular else 0
+    weighted = 1 + given + levels
+    steps = weighted + 1 + secants + (kind.equalising if kind.largest and size > 1 else 0)
+    least, largest, square = np.inf, np.inf, np.inf
+    for step in range(steps):
+        if 1 <= step < weighted:
+            if step <= given:
+                for i in range(size):
+                    tried[i] = room[VALUE, nodes[i]]
             else:
-                off = abs(max(cosine, 0.0) - max(value[p], 0.0)) * scale
-                if (cosine > 0) != (value[p] > 0):
-                    off += extra[p]
-            count += 1
-            total += off * off
-            largest = max(largest, off)
-        rest[p] = off
-    return largest, total / max(count, 1)
-
-
-@njit(cache=True, error_model="numpy")
-def best_cosines(
-    kind: CosineKind,
-    shape: Floats,
-    value: Floats,
-    weight: Floats,
-    used: Bools,
-    extra: Floats,
-    scale: Floats,
-    others: Floats,
-) -> tuple[Floats, Floats, Floats]:
-    """
-    The best of several polynomials for every triangle and light.
-
-    Parameters
-    ----------
-    kind : CosineKind
-    shape : (1 or n, p, m) float64
-    value, weight, extra : (n, lights, p) float64
-    used : (n, lights, p) bool
-    scale : (lights,) float64
-      Output units for a full value.
-    others : (k, n, lights, m) float64
-      Samples that are tried before the weighted fits.
-
-    Returns
-    -------
-    samples : (n, lights, 6) float64
-    largest, square : (n, lights) float64
-    """
-    count, lights, places = value.shape
-    size = shape.shape[2]
-    samples = np.zeros((count, lights, 6))
-    largest, square = np.empty((count, lights)), np.empty((count, lights))
-    matrix, tried = np.empty((size, size)), np.empty(size)
-    weights, drawn, rest, raised = np.empty(places), np.empty(places), np.empty(places), np.empty(places)
-    for index in range(count):
-        row = index if len(shape) > 1 else 0
-        for light in range(lights):
-            here, mine = value[index, light], used[index, light]
-            lit, full = extra[index, light], scale[light]
-            for p in range(places):
-                weights[p] = 1.0 if mine[p] else 0.0
-                raised[p] = 0.0
-                if kind.specular:
-                    raised[p] = power(min(max(here[p], 0.0), 1.0), kind.exponent, kind.whole)
-            best = np.inf
-            steps = 1 + len(others) + 1 + (kind.secants if kind.specular else 0)
-            if kind.largest and size > 1:
-                steps += kind.equalising
-            reweighted = 2 + len(others) + (kind.secants if kind.specular else 0)
-            for step in range(steps):
-                if 1 <= step <= len(others):
-                    for i in range(size):
-                        tried[i] = others[step - 1, index, light, i]
-                else:
-                    if step == 1 + len(others):
-                        for p in range(places):
-                            weights[p] = weight[index, light, p]
-                    elif step >= reweighted:
-                        most, total = 1e-12, 0.0
-                        for p in range(places):
-                            most = max(most, rest[p])
-                        for p in range(places):
-                            weights[p] *= rest[p] / most + 1e-3
-                            total += weights[p]
-                        for p in range(places):
-                            weights[p] /= max(total, 1e-300)
-                    elif step > 1 + len(others):
-                        for p in range(places):
-                            apart = abs(drawn[p] - here[p])
-                            slope = weight[index, light, p] * kind.exponent
-                            if apart > 1e-9:
-                                shine = power(min(max(drawn[p], 0.0), 1.0), kind.exponent, kind.whole)
-                                slope = abs(shine - raised[p]) / apart
-                            lowest = lit[p] * slope / kind.exponent + FAINT
-                            weights[p] = lowest if mine[p] else 0.0
-                    one_fit(shape, row, here, weights, matrix, tried)
-                most_off, mean_square = _measured(
-                    kind, shape, row, tried, here, lit, raised, mine, full, drawn, rest
-                )
-                score = most_off if kind.largest else mean_square
-                if score < best or step == 0:
-                    best = score
-                    largest[index, light], square[index, light] = most_off, mean_square
-                    for i in range(size):
-                        samples[index, light, i] = tried[i]
-    return samples, largest, square
-
-
-@njit(cache=True, error_model="numpy")
-def half_cosines(
-    kind: CosineKind,
-    shape: Floats,
-    value: Floats,
-    weight: Floats,
-    used: Bools,
-    extra: Floats,
-    scale: Floats,
-    halves: Ints,
-    counts: Ints,
-) -> tuple[Floats, Floats]:
-    """
-    What the nearest polynomials to parts of the points leave.
-
-    Parameters
-    ----------
-    kind, value, weight, used, extra, scale
-      As for :func:`best_cosines`.
-    shape : (p, m) float64
-    halves : (k, p) int64
-      Points of each part, the first ``counts`` of a row.
-    counts : (k,) int64
-
-    Returns
-    -------
-    largest, square : (n, k, lights) float64
-    """
-    count, lights = value.shape[:2]
-    size = shape.shape[1]
-    largest, square = np.empty((count, len(halves), lights)), np.empty((count, len(halves), lights))
-    matrix, tried = np.empty((size, size)), np.empty(size)
-    for half in range(len(halves)):
-        number = counts[half]
-        part = np.empty((1, number, size))
-        for p in range(number):
-            part[0, p] = shape[halves[half, p]]
-        mine = np.empty(number, np.bool_)
-        here, weights, lit, raised, drawn, rest = np.empty((6, number))
-        for index in range(count):
-            for light in range(lights):
-                for p in range(number):
-                    at = halves[half, p]
-                    here[p], weights[p] = value[index, light, at], weight[index, light, at]
-                    lit[p], mine[p] = extra[index, light, at], used[index, light, at]
-                    raised[p] = 0.0
-                    if kind.specular:
-                        raised[p] = power(min(max(here[p], 0.0), 1.0), kind.exponent, kind.whole)
-                one_fit(part, 0, here, weights, matrix, tried)
-                largest[index, half, light], square[index, half, light] = _measured(
-                    kind, part, 0, tried, here, lit, raised, mine, scale[light], drawn, rest
-                )
+                tried[0] = _level(kind, count, room)
+        else:
+            if step == weighted:
+                weights[:] = room[FIRST_WEIGHT, :wide]
+            elif step > weighted + secants:
+                most = 1e-12
+                for p in range(wide):
+                    most = max(most, room[REST, p])
+                reweighted(weights, room[REST], most)
+            elif step > weighted:
+                _secant_weights(kind, count, room)
+            one_fit(shape, size, value, weights, part, matrix, tried)
+        most_off, mean = measure_fit(kind, shape, size, tried, count, specular, scale, room)
+        score = most_off if kind.largest else mean
+        if score < least or step == 0:
+            least, largest, square = score, most_off, mean
+            for i in range(size):
+                best[i] = tried[i]
     return largest, square
 
 
 @njit(cache=True, error_model="numpy")
-def joint_errors(
+def fit_cosines(
     kind: CosineKind,
+    sets: PointSets,
     facing: Floats,
     towards: Floats,
-    options: Ints,
-    true: Floats,
-    used: Bools,
-    ambient: Floats,
-    diffuse: Floats,
-    specular: Floats,
-    full: float,
+    nodes: Ints,
+    rows: Ints,
+    samples: Floats,
+    own: Floats,
 ) -> Floats:
     """
-    How far colours are off with each option.
+    The best polynomials of every order for cosines at places of triangles.
 
     Parameters
     ----------
     kind : CosineKind
-      Of the specular cosines.
-    facing, towards : (n, lights, orders, p) float64
-      Diffuse and specular cosines as each order draws them.
-    options : (n, k, channels) int64
-      Diffuse channels first.
-    true : (n, p, 3) float64
-    used : (1 or n, p) bool
-    ambient, diffuse, specular : (3,), (lights, 3) and (lights, 3) float64
-      Output units.
-    full : float
+    sets : PointSets
+    facing, towards : (lights, m) float64
+      Diffuse and specular cosines there.
+    nodes : (orders, 6) int64
+      Places that a polynomial of each order may go through; none (0 orders) where all are fitted.
+    rows : (n,) int64
+      Where to write what is found out for each of the n triangles of ``sets``.
+    samples : (k, 2 lights, orders, 6) float64
+      Written: cosines, diffuse channels first.
+    own : (k, 2 lights, orders) float64
+      Written: the error that each leaves alone, the other channel being exact, by the measure.
 
     Returns
     -------
-    (n, k) float64
+    (2 lights, orders, m) float64
+      What the polynomials draw.
     """
-    count, lights, orders, places = facing.shape
-    out = np.empty(options.shape[:2])
-    shine = np.empty((lights, orders, places))
-    for index in range(count):
-        row = index if len(used) > 1 else 0
-        for light in range(lights):
-            for order in range(orders):
-                for p in range(places):
-                    cosine = min(max(towards[index, light, order, p], 0.0), 1.0)
-                    shine[light, order, p] = power(cosine, kind.exponent, kind.whole)
-        for option in range(options.shape[1]):
-            largest = total = 0.0
-            number = 0
-            for p in range(places):
-                if not used[row, p]:
-                    continue
-                number += 1
-                for colour in range(3):
-                    level = ambient[colour]
-                    for light in range(lights):
-                        cosine = facing[index, light, options[index, option, light], p]
-                        if cosine > 0:
-                            level += cosine * diffuse[light, colour]
-                            raised = shine[light, options[index, option, lights + light], p]
-                            level += raised * specular[light, colour]
-                    off = abs(min(max(level, 0.0), full) - true[index, p, colour])
-                    largest = max(largest, off)
-                    total += off * off
-            out[index, option] = largest if kind.largest else total / number
-    return out
+    lights, total = facing.shape
+    drawn = np.empty((2 * lights, kind.orders, total))
+    most = sets.number.max() if len(sets.number) else 0
+    wide = padded(most)
+    room, shapes, matrix = np.empty((ROOM, wide)), np.empty((ALL_SHAPES, wide)), np.empty((6, 6))
+    none = np.empty(0, np.int64)
+    tried, best = np.empty(6), np.empty(6)
+    for index in range(len(sets.number)):
+        count, at, row = sets.number[index], sets.at[index], rows[index]
+        shape_rows(sets.points, sets.begin[index], count, shapes)
+        for channel in range(2 * lights):
+            light, specular = channel % lights, channel >= lights
+            here = slice(at, at + count)
+            fill_room(
+                kind, facing[light, here], towards[light, here], specular, kind.scale[lights + light], room
+            )
+            for order in range(kind.orders):
+                size = SIZES[order]
+                shape = shapes[SHAPE_ROWS[order] :]
+                through = nodes[order, :size] if len(nodes) else none
+                # With a size that the compiler knows, loops over samples are unrolled.
+                given = kind, shape
+                if size == 1:
+                    largest, square = _best(
+                        *given, 1, count, specular, kind.scale[channel], through, room, matrix, tried, best
+                    )
+                elif size == 3:
+                    largest, square = _best(
+                        *given, 3, count, specular, kind.scale[channel], through, room, matrix, tried, best
+                    )
+                else:
+                    largest, square = _best(
+                        *given, 6, count, specular, kind.scale[channel], through, room, matrix, tried, best
+                    )
+                samples[row, channel, order, :size] = best[:size]
+                own[row, channel, order] = largest if kind.largest else square
+                drawn_by(shape, size, best, count, drawn[channel, order, here])
+    return drawn

@@ -91,6 +91,7 @@ class Curve:
         self._plans: dict[int, Plan] = {}
         self._known: dict[int, Picture] = {}
         self._others: dict[int, Picture] = {}
+        self._least: dict[int, int] = {}
 
     def __len__(self) -> int:
         return len(self.steps)
@@ -106,7 +107,11 @@ class Curve:
 
     def least_bytes(self, index: int) -> int:
         """What the picture for a limit takes at least; 0 for a price."""
-        return self.planner.least_bytes(float(self.steps[index])) if self.planner.measure == "max" else 0
+        if self.planner.measure != "max":
+            return 0
+        if index not in self._least:
+            self._least[index] = self.planner.least_bytes(float(self.steps[index]))
+        return self._least[index]
 
     def floor(self, first: int) -> int:
         """Bytes that :meth:`cheapest` takes at least from an index: what takes more is passed over there."""

@@ -8,8 +8,9 @@ from numba import njit
 
 from quadshade.adapt.cosine_loops import CosineKind
 from quadshade.adapt.polynomial_loops import solve
-from quadshade.contract.arrays import Bools, Floats, Int, Ints
+from quadshade.contract.arrays import Floats, Int, Ints
 from quadshade.shading.phong_loops import power
+from quadshade.shading.point_sets import PointSets
 
 DAMPING = 1e-6
 """Of the mean diagonal; ten times as much after a step that made the error worse."""
@@ -18,15 +19,10 @@ DAMPING = 1e-6
 @njit(cache=True, error_model="numpy")
 def fit_together(
     kind: CosineKind,
-    points: Floats,
-    used: Bools,
+    sets: PointSets,
     orders: Ints,
     samples: Floats,
     true: Floats,
-    ambient: Floats,
-    diffuse: Floats,
-    specular: Floats,
-    full: float,
     rounds: Int,
 ) -> Floats:
     """
@@ -35,18 +31,13 @@ def fit_together(
     Parameters
     ----------
     kind : CosineKind
-      Of the specular cosines.
-    points : (n, p, 3) float64
-      Barycentric coordinates.
-    used : (n, p) bool
+    sets : PointSets
     orders : (n, channels) int64
       Diffuse channels first.
     samples : (n, channels, 6) float64
       Cosines; overwritten with the best.
-    true : (n, p, 3) float64
-    ambient, diffuse, specular : (3,), (lights, 3) and (lights, 3) float64
-      Output units.
-    full : float
+    true : (3, m) float64
+      Colours in output units.
     rounds : int
 
     Returns
@@ -54,39 +45,38 @@ def fit_together(
     (n,) float64
       The largest difference at the points.
     """
-    count, places = used.shape
+    ambient, diffuse, specular, full = kind.ambient, kind.diffuse, kind.specular, kind.full
+    count, most_places = len(sets.number), sets.number.max()
     lights = len(diffuse)
     channels = 2 * lights
     out = np.empty(count)
     sizes = np.empty(channels, np.int64)
-    shape = np.empty((3, places, 6))
+    shape = np.empty((3, most_places, 6))
     matrix, right = np.empty((6 * channels, 6 * channels)), np.empty(6 * channels)
     row = np.empty(6 * channels)
-    weights, rest = np.empty((places, 3)), np.empty((places, 3))
-    slopes = np.empty((places, 3, channels))
+    weights, rest = np.empty((most_places, 3)), np.empty((most_places, 3))
+    slopes = np.empty((most_places, 3, channels))
     now = np.empty((channels, 6))
     for index in range(count):
-        unknowns = 0
+        unknowns, places, begin, at = 0, sets.number[index], sets.begin[index], sets.at[index]
         for channel in range(channels):
             order = orders[index, channel]
             sizes[channel] = 1 if order == 0 else 3 if order == 1 else 6
             unknowns += sizes[channel]
         for p in range(places):
-            a, b, c = points[index, p, 0], points[index, p, 1], points[index, p, 2]
+            a, b, c = sets.points[begin + p, 0], sets.points[begin + p, 1], sets.points[begin + p, 2]
             shape[0, p, 0] = 1.0
             shape[1, p, 0], shape[1, p, 1], shape[1, p, 2] = a, b, c
             shape[2, p, 0], shape[2, p, 1], shape[2, p, 2] = a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1)
             shape[2, p, 3], shape[2, p, 4], shape[2, p, 5] = 4 * a * b, 4 * a * c, 4 * b * c
             for colour in range(3):
-                weights[p, colour] = 1.0 if used[index, p] else 0.0
+                weights[p, colour] = 1.0
         now[:] = samples[index]
         best = np.inf
         damping = DAMPING
         for step in range(rounds):
             most = 0.0
             for p in range(places):
-                if not used[index, p]:
-                    continue
                 for colour in range(3):
                     level = ambient[colour]
                     for light in range(lights):
@@ -106,9 +96,9 @@ def fit_together(
                                 slopes[p, colour, lights + light] = (
                                     specular[light, colour] * kind.exponent * raised / inside
                                 )
-                    off = min(max(level, 0.0), full) - true[index, p, colour]
+                    off = min(max(level, 0.0), full) - true[colour, at + p]
                     rest[p, colour] = off
-                    if level > full and true[index, p, colour] >= full - 1e-9:
+                    if level > full and true[colour, at + p] >= full - 1e-9:
                         for channel in range(channels):
                             slopes[p, colour, channel] = 0.0
                     most = max(most, abs(off))
@@ -121,15 +111,12 @@ def fit_together(
                 break
             total = 0.0
             for p in range(places):
-                if used[index, p]:
-                    for colour in range(3):
-                        weights[p, colour] *= abs(rest[p, colour]) / max(most, 1e-12) + 1e-2
-                        total += weights[p, colour]
+                for colour in range(3):
+                    weights[p, colour] *= abs(rest[p, colour]) / max(most, 1e-12) + 1e-2
+                    total += weights[p, colour]
             matrix[:unknowns, :unknowns] = 0.0
             right[:unknowns] = 0.0
             for p in range(places):
-                if not used[index, p]:
-                    continue
                 for colour in range(3):
                     weights[p, colour] /= max(total, 1e-300)
                     weight = weights[p, colour]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ MOST_PARTS = 1 << 16
 """Remembered at a time, beside those of one call; about a kilobyte each."""
 
 
-@dataclass(frozen=True)
-class Assessed:
+class Assessed(NamedTuple):
     """
     How well each order would do on triangles.
 
@@ -37,6 +36,8 @@ class Assessed:
       What each order, or each of the options, leaves; by the shader's measure, output units (squared).
     options : (n, k, channels) int64
       Combinations of orders that are judged together; none where channels need not know of each other.
+    words : (n, k) float64
+      What these take.
     """
 
     pixels: np.ndarray
@@ -45,21 +46,21 @@ class Assessed:
     samples: np.ndarray
     errors: np.ndarray
     options: np.ndarray
+    words: np.ndarray
 
     def take(self, rows: np.ndarray) -> Assessed:
         """Some of the triangles, copied, in the order of (m,) int ``rows``."""
-        return Assessed(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return Assessed(*(values[rows] for values in self))
 
     def put(self, rows: np.ndarray | slice, values: Assessed) -> None:
         """Overwrite triangles in place."""
-        for field in fields(self):
-            getattr(self, field.name)[rows] = getattr(values, field.name)
+        for mine, others in zip(self, values, strict=True):
+            mine[rows] = others
 
     def resized(self, count: int) -> Assessed:
         """The first ``count`` triangles, with room for those that there are not."""
         made = []
-        for field in fields(self):
-            values = getattr(self, field.name)
+        for values in self:
             grown = np.zeros((count, *values.shape[1:]), dtype=values.dtype)
             grown[: len(values)] = values[:count]
             made.append(grown)

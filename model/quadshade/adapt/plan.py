@@ -14,8 +14,8 @@ from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, choose_order
 from quadshade.adapt.costs import core_clocks, state_bytes, stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.adapt.phong_pixels import PhongPixels
-from quadshade.adapt.shader import Shader, Surface
-from quadshade.contract.formats import ORDER_NAMES, Formats
+from quadshade.adapt.shader import Shader, Surface, chosen_samples
+from quadshade.contract.formats import CONSTANT, ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
@@ -40,7 +40,7 @@ class Rival(NamedTuple):
     ----------
     shading : str
     bytes : int or None
-      Of its picture; where none was drawn because it could not win, about, of the undivided plan.
+      Of its picture; where none was drawn because it could not win, what it would take at least, about.
     error : float or None
       As of :class:`Adapted`, where it was drawn.
     reason : str
@@ -148,8 +148,13 @@ class Planner:
         self.shader, self.measure, self.count_line = shader, shader.measure, count_line
         if phong is None:
             phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
-        self.whole, self.phong = shader.surface(projected), phong
+        self.projected, self.phong = projected, phong
         self._numbers, self._drawn = PairNumbers(), np.empty((0, 3))
+
+    @cached_property
+    def whole(self) -> Surface:
+        """The undivided mesh, shaded and fitted when it is first asked for."""
+        return self.shader.surface(self.projected)
 
     def settled(
         self, allowed: np.ndarray, price: float, surface: Surface | None = None, agree: float = 0.0
@@ -182,6 +187,26 @@ class Planner:
         goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
         orders = choose_orders(self.whole, self.shader, goal).orders
         return self.bytes_of(self.whole, orders) or 0
+
+    def least_possible(self, max_error: float) -> int:
+        """
+        What a verified picture for a largest error takes at least, whatever its polynomials, without fitting.
+
+        Where the light varies by more than twice the error over a triangle's pixels, no constant colour is
+        good enough: it takes a channel of a higher order, or another packet.
+        """
+        heads, shader = self.phong.cut.heads, self.shader
+        flat = float(shader.words(np.full(len(shader.place), CONSTANT)))
+        words = len(heads) * flat - shader.second_words * int((heads["rows_second"] == 0).sum())
+        more = shader.least_more(self.phong.ranges > 2 * max_error)
+        words += np.minimum(more, flat - shader.second_words).sum()
+        return 4 * int(words) + shader.state_bytes
+
+    def divides_much(self, max_error: float) -> bool:
+        """Whether no order is good enough for many of the undivided triangles."""
+        goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
+        wanting = choose_orders(self.whole, self.shader, goal).wanting
+        return bool(wanting.sum() > (MUCH - 1) * len(wanting))
 
     def bytes_of(self, surface: Surface, orders: np.ndarray) -> int | None:
         """
@@ -295,7 +320,9 @@ class Plan:
 
     def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
         self.planner, self.surface, self.decision = planner, surface, decision
-        self.triangles = planner.shader.screen_triangles(surface.projected, decision.samples, decision.orders)
+        given = decision.samples
+        self.samples = chosen_samples(surface.assessed, decision.orders) if given is None else given
+        self.triangles = planner.shader.screen_triangles(surface.projected, self.samples, decision.orders)
 
     @property
     def much_divided(self) -> bool:

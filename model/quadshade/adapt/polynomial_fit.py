@@ -9,6 +9,7 @@ import numpy as np
 
 from quadshade.adapt import polynomial_loops
 from quadshade.contract.formats import CONSTANT, LINEAR, QUADRATIC
+from quadshade.shading.point_sets import PointSets, used_points
 
 DEGREE = 6
 EQUALISING = 6
@@ -122,26 +123,6 @@ def fit(values: np.ndarray, order: int, full: float, measure: str) -> Fit:
     return best
 
 
-def weighted_fit(shape: np.ndarray, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """
-    Polynomials nearest in the weighted mean square; of several the one that is nearest to a constant.
-
-    Parameters
-    ----------
-    shape : (k, p, m) float
-      What m samples contribute at p points of each triangle; k may be 1.
-    values, weights : (n, channels, p) float
-      Weights are not negative, and not all 0.
-
-    Returns
-    -------
-    (n, channels, m) float64
-      Samples.
-    """
-    floats = (np.ascontiguousarray(array, dtype=np.float64) for array in (shape, values, weights))
-    return polynomial_loops.weighted_fit(*floats)
-
-
 def fit_at(
     points: np.ndarray, used: np.ndarray, values: np.ndarray, order: int, full: float, measure: str
 ) -> Fit:
@@ -162,14 +143,19 @@ def fit_at(
     -------
     Fit
     """
-    shape = np.ascontiguousarray(shape_functions(points, order))
+    used = np.broadcast_to(used, (len(values), used.shape[1]))
+    values = np.ascontiguousarray(values.transpose(1, 0, 2)[:, used])
+    return fit_sets(used_points(points, used), values, order, full, measure)
+
+
+def fit_sets(sets: PointSets, values: np.ndarray, order: int, full: float, measure: str) -> Fit:
+    """As :func:`fit_at`, with (channels, m) values."""
+    if not len(sets.number):
+        nothing = np.empty((0, len(values)))
+        return Fit(np.empty((*nothing.shape, 6)), nothing, nothing)
     largest = measure == "max"
     rounds = 1 + EQUALISING * largest
-    return Fit(
-        *polynomial_loops.lawson_fits(
-            shape, np.ascontiguousarray(values), np.ascontiguousarray(used), full, largest, rounds
-        )
-    )
+    return Fit(*polynomial_loops.lawson_fits(sets, values, order, full, largest, rounds))
 
 
 def better_fit(best: Fit, tried: Fit, measure: str) -> Fit:

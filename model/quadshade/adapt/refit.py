@@ -8,18 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from quadshade.adapt.choose import OUTPUT_ROUNDING, Goal, choose_orders, divide
-from quadshade.adapt.phong_pixels import covered_pixels
 from quadshade.adapt.plan import PartErrors, Plan, Planner
-from quadshade.adapt.shader import Options, Surface
+from quadshade.adapt.shader import Options, Surface, chosen_samples
 from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import CONSTANT
 from quadshade.scene.project import Projected
+from quadshade.setup.coverage import mesh_rows, pixels_of
+from quadshade.setup.edges import cut_triangles
 from quadshade.shading.reference import barycentric
 
 MOST_PIXELS = 64
 """Of a part's outline, and of its inside, at which it is fitted; the drawing is compared at all."""
-GROUPS = (16, 48, 2 * MOST_PIXELS)
-"""Parts of up to so many pixels are fitted together."""
 ROUNDS = 10
 """Divisions, at most."""
 TRIALS = 8
@@ -58,8 +57,8 @@ class Choices:
         self.orders[rows], self.samples[rows], self.kept[rows] = orders, samples, True
 
 
-def _places(owner: Ints, y: Ints, count: int) -> tuple[Bools, Ints]:
-    """Which pixels a part is fitted at, some of its outline and some within; their numbers in the part."""
+def _places(owner: Ints, y: Ints, count: int) -> Bools:
+    """Which pixels a part is fitted at: some of its outline and some within."""
     outline = np.zeros(len(owner), dtype=bool)
     ends = np.flatnonzero((np.diff(owner) != 0) | (np.diff(y) != 0))
     outline[[0, -1]] = outline[ends] = outline[ends + 1] = True
@@ -70,9 +69,7 @@ def _places(owner: Ints, y: Ints, count: int) -> tuple[Bools, Ints]:
     rank = np.arange(len(owner)) - (np.cumsum(have) - have)[group[order]]
     taken = np.zeros(len(owner), dtype=bool)
     taken[order] = rank % stride[group[order]] == 0
-    kept = owner[taken]
-    have = np.bincount(kept, minlength=count)
-    return taken, np.arange(len(kept)) - (np.cumsum(have) - have)[kept]
+    return taken
 
 
 class Refit:
@@ -102,7 +99,7 @@ class Refit:
           What there is without; returned where nothing is cheaper.
         """
         first = plan.drawn().largest <= self.max_error
-        old = Choices(plan.decision.orders.copy(), plan.decision.samples.copy(), first)
+        old = Choices(plan.decision.orders.copy(), plan.samples.copy(), first)
         best = plan
         surfaces: list[Surface | None] = [plan.surface]
         if len(plan.surface.root) > len(self.planner.whole.root):
@@ -157,43 +154,33 @@ class Refit:
     def _planned(self, surface: Surface) -> Choices:
         """What the planner would choose for the limit."""
         decision = choose_orders(surface, self.shader, self._goal)
-        triangles = self.shader.screen_triangles(surface.projected, decision.samples, decision.orders)
+        samples = chosen_samples(surface.assessed, decision.orders)
+        triangles = self.shader.screen_triangles(surface.projected, samples, decision.orders)
         drawn = self.planner.drawn(triangles, surface)
         # Without a pixel nothing is cheaper than constants, and nothing is seen.
         orders = np.where(drawn.pixels[:, None] == 0, CONSTANT, decision.orders)
-        return Choices(orders, decision.samples.copy(), drawn.largest <= self.max_error)
+        return Choices(orders, samples, drawn.largest <= self.max_error)
 
     def _improve(self, surface: Surface, choices: Choices) -> None:
         """Draw cheaper combinations of orders, the cheapest first, and keep what keeps the limit."""
         projected, root = surface.projected, surface.root
-        owner, x, y = covered_pixels(projected, self.shader.formats)
+        screen = projected.width, projected.height, self.shader.formats.subpixel_bits
+        owner, x, y = pixels_of(mesh_rows(cut_triangles(projected.vertices, *screen), len(projected)))
         if not len(owner):
             return
-        taken, number = _places(owner, y, len(projected))
+        taken = _places(owner, y, len(projected))
         owner, x, y = owner[taken], x[taken], y[taken]
         have = np.bincount(owner, minlength=len(projected))
-        least = 0
-        for most in GROUPS:
-            rows = np.flatnonzero((have > least) & (have <= most))
-            least = most
-            if len(rows):
-                place = np.full(len(projected), -1)
-                place[rows] = np.arange(len(rows))
-                mine = place[owner] >= 0
-                at = place[owner[mine]], number[mine]
-                used = np.zeros((len(rows), most), dtype=bool)
-                used[at] = True
-                own, whole = np.full((2, len(rows), most, 3), 1 / 3)
-                for points, corners, triangle in (
-                    (own, projected.vertices, owner[mine]),
-                    (whole, self.planner.whole.projected.vertices, root[owner[mine]]),
-                ):
-                    points[at] = barycentric(
-                        corners, triangle, x[mine], y[mine], self.shader.formats.subpixel_bits
-                    )
-                lit = self.planner.whole.projected.ordered(root[rows])
-                options = self.shader.options_at(lit, whole, own, used, self.max_error - OUTPUT_ROUNDING)
-                self._draw(projected, root, rows, options, choices)
+        rows = np.flatnonzero(have)
+        own, whole = (
+            barycentric(corners, triangle, x, y, self.shader.formats.subpixel_bits)
+            for corners, triangle in (
+                (projected.vertices, owner),
+                (self.planner.whole.projected.vertices, root[owner]),
+            )
+        )
+        options = self.shader.options_at(root[rows], whole, own, have[rows], self.max_error - OUTPUT_ROUNDING)
+        self._draw(projected, root, rows, options, choices)
 
     def _draw(self, projected: Projected, root: Ints, rows: Ints, options: Options, choices: Choices) -> None:
         """Draw the options of some parts until one keeps the limit or is no cheaper."""

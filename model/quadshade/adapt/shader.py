@@ -6,29 +6,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
 from quadshade.adapt.costs import shade_bytes
 from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
-from quadshade.adapt.polynomial_fit import ORDERS, POINTS, Fit, better_fit, fit, fit_at, split_errors
+from quadshade.adapt.polynomial_fit import ORDERS, POINTS
 from quadshade.adapt.small_triangles import PixelCentres, pixel_centres
 from quadshade.choices import MAX_ERROR
 from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
+from quadshade.scene.subdivide import Edges, shared_edges
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.shading.phong_loops import lit_mesh, shade_places
-from quadshade.shading.sample import CHANNELS, CHUNK, full_scale, reflected
+from quadshade.shading.phong_loops import lit_mesh
+from quadshade.shading.point_sets import PointSets, shade_sets, shared_points
+from quadshade.shading.sample import CHANNELS, full_scale, reflected
 
 MARGIN = 1.08
 """The largest difference anywhere on a triangle, over that at the grid's points: measured, not a bound."""
+POINTS_AT_A_TIME = 1 << 16
 NUM_DIFFERENCES = np.array(DIFFERENCES_OF_ORDER)
+MORE_LINEAR = NUM_DIFFERENCES[LINEAR] - NUM_DIFFERENCES[CONSTANT]
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,11 @@ class Surface:
     root: np.ndarray
     assessed: Assessed
     part: np.ndarray
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Its edges, found when they are first asked for."""
+        return shared_edges(self.projected.vertices)
 
 
 @dataclass(frozen=True)
@@ -145,7 +152,7 @@ class Shader:
 
     def assess(self, projected: Projected, root: np.ndarray) -> Assessed:
         """What each triangle's pixels and samples say about every order, not remembered."""
-        centres = pixel_centres(projected, self.formats, self.whole, root)
+        centres = pixel_centres(projected, self.formats.subpixel_bits, self.whole, root)
         assessed = self.fit(projected, centres, root)
         for values in (assessed.errors, assessed.bound):
             values[centres.pixels == 0] = 0
@@ -156,19 +163,19 @@ class Shader:
         raise NotImplementedError
 
     def options_at(
-        self, lit: Projected, whole: np.ndarray, points: np.ndarray, used: np.ndarray, wanted: float
+        self, lit: np.ndarray, whole: np.ndarray, points: np.ndarray, count: np.ndarray, wanted: float
     ) -> Options:
         """
         Combinations of orders, fitted at points of triangles to a small largest difference.
 
         Parameters
         ----------
-        lit : Projected
+        lit : (n,) int64
           The triangles of the undivided mesh of which these are parts.
-        whole, points : (n, p, 3) float64
-          The points in these, and in the parts.
-        used : (n, p) bool
-          Which of them count, at least one.
+        whole, points : (m, 3) float64
+          The points in these, and in the parts, one triangle after the other.
+        count : (n,) int64
+          How many points each has, at least one.
         wanted : float
           An error for which nothing better is looked for.
         """
@@ -185,6 +192,10 @@ class Shader:
         goal : (n,) float64
           The largest difference (``max``), or the price of a word over a triangle's pixels (``rms``).
         """
+        return self.choose_from(assessed.errors, assessed.options, assessed.words, goal)
+
+    def least_more(self, varied: np.ndarray) -> np.ndarray:
+        """(n,) float64 words that triangles take beyond constants where (n, 3) colours are not constant."""
         raise NotImplementedError
 
     def choose_halves(self, surface: Surface, goal: np.ndarray, rows: np.ndarray) -> Choice:
@@ -195,29 +206,39 @@ class Shader:
                 surface.projected.ordered(rows[new]), surface.assessed.options[rows[new]]
             ),
         )
-        return self.choose_from(halves, surface.assessed.options[rows, None, None], goal[:, None, None])
+        return self.choose_from(halves, surface.assessed.options[rows], surface.assessed.words[rows], goal)
 
     def halves(self, projected: Projected, options: np.ndarray) -> np.ndarray:
         """(n, 3, 2, ...) what ``Assessed.errors`` would be of halves, from samples of the whole."""
         raise NotImplementedError
 
-    def choose_from(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
-        """The cheapest orders over any leading axes, those of the goal (1 where it is the same)."""
+    def choose_from(
+        self, errors: np.ndarray, options: np.ndarray, words: np.ndarray, goal: np.ndarray
+    ) -> Choice:
+        """The cheapest orders of (n, ...) triangles or parts of them, by (n,) goals."""
         raise NotImplementedError
 
-    def shade(self, projected: Projected, points: np.ndarray) -> np.ndarray:
-        """(n, 3, p) float64 true shading at (p, 3) or (n, p, 3) points."""
+    def shade(self, projected: Projected, triangle: np.ndarray, sets: PointSets) -> np.ndarray:
+        """(3, m) float64 true shading at points of (n,) int64 triangles."""
         lit = lit_mesh(projected, self.lights, self.material, self.full)
         if lit is not None:
-            places = np.ascontiguousarray(points if points.ndim == 3 else points[None], dtype=np.float64)
-            return shade_places(lit, np.arange(len(projected)), places).transpose(0, 2, 1)
-        values = np.empty((len(projected), len(CHANNELS), points.shape[-2]))
-        for start in range(0, len(projected), CHUNK):
-            rows = np.arange(start, min(start + CHUNK, len(projected)))
-            barycentric = points if points.ndim == 2 else points[rows]
-            light = reflected(projected, rows, barycentric, self.lights, self.material)
-            values[rows] = full_scale(light, self.formats).transpose(0, 2, 1)
+            return shade_sets(lit, triangle, sets)
+        owner = np.repeat(triangle, sets.number)
+        # Shared points are repeated for every triangle, others stand in order.
+        points = (
+            sets.points if len(sets.points) == len(owner) else np.tile(sets.points, (len(sets.number), 1))
+        )
+        values = np.empty((len(CHANNELS), len(owner)))
+        for start in range(0, len(owner), POINTS_AT_A_TIME):
+            some = slice(start, start + POINTS_AT_A_TIME)
+            light = reflected(projected, owner[some], points[some, None], self.lights, self.material)
+            values[:, some] = full_scale(light[:, 0], self.formats).T
         return values
+
+    def shade_grid(self, projected: Projected) -> np.ndarray:
+        """(3, n * 28) float64 true shading at the points of the grid, of all triangles."""
+        every = np.arange(len(projected))
+        return self.shade(projected, every, shared_points(POINTS, every))
 
     def screen_triangles(
         self, projected: Projected, samples: np.ndarray, orders: np.ndarray
@@ -276,102 +297,7 @@ class Shader:
         return bounds, packets
 
 
-class ColourShader(Shader):
-    """
-    Red, green and blue, each of an order of its own: channels need not know of each other.
-
-    With ``even`` polynomials of large triangles are tried whose differences Lawson's iteration evens out at
-    the grid's points. Between them such a polynomial is off by more, so drawings have to be verified.
-    """
-
-    shading = "quadratic"
-    names = CHANNELS
-
-    def __init__(
-        self,
-        lights: Sequence[Light] | None,
-        material: Material | None,
-        formats: Formats | None,
-        projected: Projected,
-        measure: str = "max",
-        even: bool = True,
-    ) -> None:
-        self.even = even
-        formats = Formats() if formats is None else formats
-        got = formats.num_channels
-        if got < len(CHANNELS) or (got > len(CHANNELS) and not formats.with_shade):
-            raise QuadshadeError(f"generic num_channels is {got}", f"a picture needs {len(CHANNELS)}")
-        super().__init__(lights, material, formats, projected, measure, range(len(CHANNELS)))
-
-    def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
-        """See :meth:`Shader.fit`; errors are (n, 3, orders)."""
-        values = self.shade(projected, POINTS)
-        fits = [self._fitted(values, order) for order in self.orders]
-        samples = np.stack([one.samples for one in fits], axis=2)
-        errors = np.stack([one.by(self.measure) for one in fits], axis=2) * self.margin
-        for rows, points, whole, used in centres.groups():
-            values = self.shade(self.whole.ordered(root[rows]), whole)
-            for index, order in enumerate(self.orders):
-                one = fit_at(points, used, values, order, self.full, self.measure)
-                samples[rows, :, index], errors[rows, :, index] = one.samples, one.by(self.measure)
-        bounds, packets = self.set_up(projected, samples[:, :, -1])
-        no_options = np.zeros((len(projected), 0, len(CHANNELS)), dtype=np.int64)
-        return Assessed(centres.pixels, bounds.max(axis=1, initial=0), packets, samples, errors, no_options)
-
-    def _fitted(self, values: np.ndarray, order: int) -> Fit:
-        """The best polynomial at the grid's points."""
-        best = fit(values, order, self.full, self.measure)
-        if self.even and self.measure == "max" and order != CONSTANT:
-            everywhere = np.ones((1, len(POINTS)), dtype=bool)
-            even = fit_at(POINTS[None], everywhere, values, order, self.full, self.measure)
-            best = better_fit(best, even, self.measure)
-        return best
-
-    def options_at(
-        self, lit: Projected, whole: np.ndarray, points: np.ndarray, used: np.ndarray, wanted: float
-    ) -> Options:
-        """See :meth:`Shader.options_at`."""
-        values = self.shade(lit, whole)
-        fits = [fit_at(points, used, values, order, self.full, self.measure) for order in self.orders]
-        samples = np.stack([one.samples for one in fits], axis=2)
-        errors = np.stack([one.largest for one in fits], axis=2)
-        every = np.array(list(product(range(len(self.orders)), repeat=len(CHANNELS))))
-        orders = np.unique(self.free_orders(every), axis=0)
-        channel = np.arange(len(CHANNELS))
-        return Options(
-            np.broadcast_to(orders, (len(values), *orders.shape)),
-            samples[:, channel, orders],
-            errors[:, channel, orders].max(axis=2),
-        )
-
-    def halves(self, projected: Projected, options: np.ndarray) -> np.ndarray:
-        """See :meth:`Shader.halves`; (n, 3, 2, 3, orders)."""
-        values = self.shade(projected, POINTS)
-        errors = [split_errors(values, order, self.measure) for order in self.orders]
-        return np.stack(errors, axis=-1) * self.margin
-
-    def choose_from(self, errors: np.ndarray, options: np.ndarray, goal: np.ndarray) -> Choice:
-        """See :meth:`Shader.choose_from`."""
-        if self.measure == "max":
-            good = errors <= goal[..., None, None]
-            good[..., -1] = True
-            orders = good.argmax(axis=-1)
-        else:
-            differences = NUM_DIFFERENCES[list(self.orders)] * self.difference_words[:, None]
-            orders = (errors + goal[..., None, None] * differences).argmin(axis=-1)
-        return self._of(orders, errors)
-
-    def _of(self, orders: np.ndarray, errors: np.ndarray) -> Choice:
-        left = np.take_along_axis(errors, orders[..., None], axis=-1)[..., 0]
-        left = left.max(axis=-1) if self.measure == "max" else left.sum(axis=-1)
-        return Choice(orders, left, self.words(orders))
-
-    def choose(self, assessed: Assessed, goal: np.ndarray) -> Choice:
-        """See :meth:`Shader.choose`."""
-        errors = assessed.errors
-        return self._of(self.free_orders(self.choose_from(errors, assessed.options, goal).orders), errors)
-
-
 def chosen_samples(assessed: Assessed, orders: np.ndarray) -> np.ndarray:
     """(n, channels, 6) samples of the chosen (n, channels) orders."""
-    return np.take_along_axis(assessed.samples, orders[..., None, None], axis=2)[:, :, 0]
+    count, channels = orders.shape
+    return assessed.samples[np.arange(count)[:, None], np.arange(channels), orders]

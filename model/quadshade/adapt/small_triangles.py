@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
-from quadshade.contract.formats import CONSTANT, Formats
-from quadshade.contract.triangles import ScreenTriangles
-from quadshade.engine import draw
+from quadshade.contract.arrays import Floats, Int, Ints
 from quadshade.scene.project import Projected, doubled_area
-from quadshade.shading.reference import barycentric
+from quadshade.setup.coverage import MeshRows, mesh_rows
+from quadshade.setup.edges import cut_triangles
 
 FEW = 64
 """A triangle of no more pixels is judged by them."""
@@ -20,8 +19,7 @@ LARGE = 2 * FEW
 """Pixels of area from which a triangle is not asked for its pixels."""
 
 
-@dataclass(frozen=True)
-class PixelCentres:
+class PixelCentres(NamedTuple):
     """
     Pixels of triangles that have few of them.
 
@@ -31,44 +29,83 @@ class PixelCentres:
       How many each triangle has: counted where its area is less than ``LARGE``, else its area.
     rows : (k,) int64
       Triangles with 1 to ``FEW`` of them.
-    points : (k, ``FEW``, 3) float64
-      Barycentric coordinates of their centres.
-    whole : (k, ``FEW``, 3) float64
+    have : (k,) int64
+      How many these have.
+    points : (m, 3) float64
+      Barycentric coordinates of their centres, one triangle after the other.
+    whole : (m, 3) float64
       The same in the triangles of which these are parts. A part's corners are rounded, so its own shading is
       not quite the whole's, and where normals turn within a pixel that can be seen.
-    used : (k, ``FEW``) bool
-      Which of the points are pixels.
     """
 
-    pixels: np.ndarray
-    rows: np.ndarray
-    points: np.ndarray
-    whole: np.ndarray
-    used: np.ndarray
-
-    def groups(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-        """Rows, points, whole and used of triangles of up to 4, of up to 16, and of up to ``FEW`` pixels."""
-        count, least = self.used.sum(axis=1), 0
-        for most in (4, 16, FEW):
-            mine = np.flatnonzero((count > least) & (count <= most))
-            least = most
-            if len(mine):
-                yield (
-                    self.rows[mine],
-                    self.points[mine, :most],
-                    self.whole[mine, :most],
-                    self.used[mine, :most],
-                )
+    pixels: Floats
+    rows: Ints
+    have: Ints
+    points: Floats
+    whole: Floats
 
 
-def pixel_centres(projected: Projected, formats: Formats, whole: Projected, root: np.ndarray) -> PixelCentres:
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _put_weights(corners: Ints, x: Int, y: Int, subpixel_bits: Int, out: Floats) -> None:
+    """Barycentric coordinates of a pixel's centre, as :func:`quadshade.shading.reference.barycentric`."""
+    x0, y0 = 2 * corners[0, 0], 2 * corners[0, 1]
+    ax, ay, bx, by = (
+        2 * corners[1, 0] - x0, 2 * corners[1, 1] - y0, 2 * corners[2, 0] - x0, 2 * corners[2, 1] - y0,
+    )  # fmt: skip
+    px, py = ((2 * x + 1) << subpixel_bits) - x0, ((2 * y + 1) << subpixel_bits) - y0
+    area = ax * by - bx * ay
+    out[1], out[2] = (px * by - bx * py) / area, (ax * py - px * ay) / area
+    out[0] = 1 - out[1] - out[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _few_pixels(
+    covered: MeshRows,
+    small: Ints,
+    vertices: Ints,
+    whole: Ints,
+    root: Ints,
+    subpixel_bits: Int,
+    pixels: Floats,
+) -> tuple[Ints, Ints, Floats, Floats]:
+    """The last four columns of :class:`PixelCentres`, from what ``small`` (s,) triangles cover."""
+    few, total = 0, 0
+    for index in range(len(small)):
+        have = covered.places[covered.rows[index + 1]] - covered.places[covered.rows[index]]
+        pixels[small[index]] = have
+        if 0 < have <= FEW:
+            few += 1
+            total += have
+    rows, count = np.empty(few, np.int64), np.empty(few, np.int64)
+    own, of_whole = np.empty((total, 3)), np.empty((total, 3))
+    few, at = 0, 0
+    for index in range(len(small)):
+        first, last = covered.rows[index], covered.rows[index + 1]
+        have = covered.places[last] - covered.places[first]
+        if not 0 < have <= FEW:
+            continue
+        triangle = small[index]
+        rows[few], count[few] = triangle, have
+        few += 1
+        for row in range(first, last):
+            for step in range(covered.places[row + 1] - covered.places[row]):
+                x, y = covered.left[row] + step, covered.top[index] + row - first
+                _put_weights(vertices[triangle], x, y, subpixel_bits, own[at])
+                _put_weights(whole[root[triangle]], x, y, subpixel_bits, of_whole[at])
+                at += 1
+    return rows, count, own, of_whole
+
+
+def pixel_centres(
+    projected: Projected, subpixel_bits: int, whole: Projected, root: np.ndarray
+) -> PixelCentres:
     """
     Find the pixels of small triangles, as the core covers them.
 
     Parameters
     ----------
     projected : Projected
-    formats : Formats
+    subpixel_bits : int
     whole : Projected
     root : (n,) int
       The triangle of ``whole`` of which each is a part.
@@ -77,34 +114,10 @@ def pixel_centres(projected: Projected, formats: Formats, whole: Projected, root
     -------
     PixelCentres
     """
-    count = abs(doubled_area(projected.vertices)) / 2 / 4.0**formats.subpixel_bits
-    small = np.flatnonzero(count < LARGE)
-    plain = {"num_channels": 1, "max_order": CONSTANT, "with_depth": 0, "with_shade": 0}
-    plain_formats = formats.with_generics(plain | {"stream_width": 32})
-    vertices = projected.vertices[small]
-    shape = (len(small), 1)
-    triangles = ScreenTriangles(
-        projected.width, projected.height, vertices, np.zeros((*shape, 6)), np.zeros(shape, int), None, ("c",)
-    )
-    pixels = draw(triangles, plain_formats).pixels
-    have = np.bincount(pixels.triangle, minlength=len(small))
-    count[small] = have
-    few = (have > 0) & (have <= FEW)
-    order = np.flatnonzero(few[pixels.triangle])
-    order = order[np.argsort(pixels.triangle[order], kind="stable")]
-    owner = pixels.triangle[order]
-    rows = np.flatnonzero(few)
-    first = np.cumsum(have[rows]) - have[rows]
-    row = np.searchsorted(rows, owner)
-    slot = np.arange(len(order)) - first[row]
-    used = np.zeros((len(rows), FEW), dtype=bool)
-    used[row, slot] = True
-    own, of_whole = np.full((2, len(rows), FEW, 3), 1 / 3)
-    for points, corners, triangle in (
-        (own, vertices, owner),
-        (of_whole, whole.vertices, root[small[owner]]),
-    ):
-        points[row, slot] = barycentric(
-            corners, triangle, pixels.x[order], pixels.y[order], formats.subpixel_bits
-        )
-    return PixelCentres(count, small[rows], own, of_whole, used)
+    pixels = abs(doubled_area(projected.vertices)) / 2 / 4.0**subpixel_bits
+    small = np.flatnonzero(pixels < LARGE)
+    vertices = np.ascontiguousarray(projected.vertices, dtype=np.int64)
+    cut = cut_triangles(vertices[small], projected.width, projected.height, subpixel_bits)
+    covered = mesh_rows(cut, len(small))
+    given = np.ascontiguousarray(whole.vertices, dtype=np.int64), np.asarray(root)
+    return PixelCentres(pixels, *_few_pixels(covered, small, vertices, *given, subpixel_bits, pixels))

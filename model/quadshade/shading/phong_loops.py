@@ -11,10 +11,15 @@ from numba import njit
 
 from quadshade.contract.arrays import Floats, Int, Ints
 from quadshade.scene.project import Projected
+from quadshade.setup.coverage import MeshRows
 from quadshade.shading.lights import AmbientLight, DirectionalLight, Light, PointLight
 from quadshade.shading.material import Material
 
 TINY = np.finfo(np.float64).tiny
+BLOCK = 256
+"""Places of a triangle that are shaded together: each loop over them is one that a compiler vectorises."""
+ROWS = 21
+"""Numbers of each place."""
 
 
 class LitMesh(NamedTuple):
@@ -123,26 +128,6 @@ def lit_mesh(
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _across(
-    corners: Floats, triangle: Int, one: float, two: float, three: float
-) -> tuple[float, float, float]:
-    """What three corners of a triangle carry, by their shares."""
-    return (
-        one * corners[triangle, 0, 0] + two * corners[triangle, 1, 0] + three * corners[triangle, 2, 0],
-        one * corners[triangle, 0, 1] + two * corners[triangle, 1, 1] + three * corners[triangle, 2, 1],
-        one * corners[triangle, 0, 2] + two * corners[triangle, 1, 2] + three * corners[triangle, 2, 2],
-    )
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _unit(x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A vector at unit length; zero stays zero."""
-    square = x * x + y * y + z * z
-    scale = 1 / np.sqrt(square) if square > 0 else 0.0
-    return x * scale, y * scale, z * scale
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
 def power(value: float, exponent: float, whole: int) -> float:
     """A value from 0 to 1 raised to an exponent; ``whole`` is the exponent, or -1 where it is no integer."""
     if whole < 0:
@@ -157,98 +142,230 @@ def power(value: float, exponent: float, whole: int) -> float:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _light(
-    lit: LitMesh, triangle: Int, first: float, second: float, third: float
-) -> tuple[float, float, float]:
-    """
-    Light at a place of a triangle, by barycentric coordinates on the screen, clamped and at full scale.
+def raise_all(values: Floats, count: Int, exponent: float, whole: int, out: Floats) -> None:
+    """:func:`power` of the first ``count`` values, from 0 to 1; ``values`` are overwritten."""
+    if whole < 0:
+        for place in range(count):
+            out[place] = values[place] ** exponent
+        return
+    for place in range(count):
+        out[place] = 1.0
+    while whole:
+        if whole & 1:
+            for place in range(count):
+                out[place] *= values[place]
+        for place in range(count):
+            values[place] *= values[place]
+        whole >>= 1
 
-    Normals and positions are interpolated with perspective.
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def _across(room: Floats, count: Int, one: float, two: float, three: float, out: Floats) -> None:
+    """What a triangle's corners carry, at places: ``room`` has the corners' shares in its first rows."""
+    first, second, third = room[0], room[1], room[2]
+    for i in range(count):
+        out[i] = first[i] * one + second[i] * two + third[i] * three
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def surface_at(lit: LitMesh, triangle: Int, count: Int, room: Floats) -> None:
     """
-    weight, lights = lit.weight, lit.lights
-    one, two, three = first * weight[triangle, 0], second * weight[triangle, 1], third * weight[triangle, 2]
-    total = 1 / (one + two + three)
-    one, two, three = one * total, two * total, three * total
-    nx, ny, nz = _unit(*_across(lit.normal, triangle, one, two, three))
-    vx, vy, vz = lit.viewer[0], lit.viewer[1], lit.viewer[2]
-    x, y, z = 0.0, 0.0, 0.0
-    if lit.near:
-        x, y, z = _across(lit.position, triangle, one, two, three)
-    if not lit.parallel:
-        vx, vy, vz = _unit(vx - x, vy - y, vz - z)
-    toward = nx * vx + ny * vy + nz * vz
-    base = lit.colour[0], lit.colour[1], lit.colour[2]
-    if len(lit.base):
-        base = _across(lit.base, triangle, one, two, three)
-    ambient, diffuse, specular = lit.ambient, lit.diffuse, lit.specular
-    red, green, blue = 0.0, 0.0, 0.0
-    for index in range(len(lights)):
-        kind = lights[index, 0]
-        r, g, b = lights[index, 4], lights[index, 5], lights[index, 6]
-        if kind == 0:
-            red += r * ambient[0] * base[0]
-            green += g * ambient[1] * base[1]
-            blue += b * ambient[2] * base[2]
-            continue
-        lx, ly, lz, intensity = lights[index, 1], lights[index, 2], lights[index, 3], 1.0
-        if kind == 2:
-            lx, ly, lz = lx - x, ly - y, lz - z
-            distance = np.sqrt(lx * lx + ly * ly + lz * lz)
-            fall = lights[index, 7] + (lights[index, 8] + lights[index, 9] * distance) * distance
-            intensity = 1 / max(fall, 1e-12)
-            distance = max(distance, TINY)
-            lx, ly, lz = lx / distance, ly / distance, lz / distance
-        facing = nx * lx + ny * ly + nz * lz
-        if facing > 0:
-            between = lx * vx + ly * vy + lz * vz
-            if lit.mirror:
-                cosine = 2 * facing * toward - between
+    The surface at places of a triangle: normals and positions are interpolated with perspective.
+
+    ``room`` (``ROWS``, ``BLOCK``) has the places' barycentric coordinates on the screen in its first three
+    rows, and gets the corners' shares in the scene there; then position, unit normal, unit vector to the
+    viewer, and the cosine between these two.
+    """
+    one, two, three, x, y, z = room[0], room[1], room[2], room[3], room[4], room[5]
+    nx, ny, nz, vx, vy, vz, toward = room[6], room[7], room[8], room[9], room[10], room[11], room[12]
+    first, second, third = lit.weight[triangle, 0], lit.weight[triangle, 1], lit.weight[triangle, 2]
+    for i in range(count):
+        a, b, c = one[i] * first, two[i] * second, three[i] * third
+        total = 1 / (a + b + c)
+        one[i], two[i], three[i] = a * total, b * total, c * total
+    for axis in range(3):
+        corners = lit.normal[triangle]
+        _across(room, count, corners[0, axis], corners[1, axis], corners[2, axis], room[6 + axis])
+        if lit.near:
+            corners = lit.position[triangle]
+            _across(room, count, corners[0, axis], corners[1, axis], corners[2, axis], room[3 + axis])
+    for i in range(count):
+        square = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i]
+        scale = 1 / np.sqrt(square if square > 0 else 1.0)
+        nx[i], ny[i], nz[i] = nx[i] * scale, ny[i] * scale, nz[i] * scale
+    first, second, third = lit.viewer[0], lit.viewer[1], lit.viewer[2]
+    if lit.parallel:
+        for i in range(count):
+            vx[i], vy[i], vz[i] = first, second, third
+    else:
+        for i in range(count):
+            a, b, c = first - x[i], second - y[i], third - z[i]
+            square = a * a + b * b + c * c
+            scale = 1 / np.sqrt(square if square > 0 else 1.0)
+            vx[i], vy[i], vz[i] = a * scale, b * scale, c * scale
+    for i in range(count):
+        toward[i] = nx[i] * vx[i] + ny[i] * vy[i] + nz[i] * vz[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def cosines_to(lit: LitMesh, index: Int, count: Int, room: Floats) -> None:
+    """
+    How a light, not an ambient one, arrives at the places of :func:`surface_at`.
+
+    Rows 13 to 15 of ``room`` get its cosine with the normal, what is raised to the exponent (N.H or R.V), and
+    its intensity.
+    """
+    x, y, z, nx, ny, nz = room[3], room[4], room[5], room[6], room[7], room[8]
+    vx, vy, vz, toward, facing, cosine = room[9], room[10], room[11], room[12], room[13], room[14]
+    intensity, light = room[15], lit.lights[index]
+    lx, ly, lz = light[1], light[2], light[3]
+    constant, linear, square = light[7], light[8], light[9]
+    if light[0] == 2:
+        for i in range(count):
+            a, b, c = lx - x[i], ly - y[i], lz - z[i]
+            distance = np.sqrt(a * a + b * b + c * c)
+            fall = constant + (linear + square * distance) * distance
+            intensity[i] = 1 / (max(1e-12, fall))
+            scale = 1 / (max(TINY, distance))
+            facing[i] = (nx[i] * a + ny[i] * b + nz[i] * c) * scale
+            cosine[i] = (vx[i] * a + vy[i] * b + vz[i] * c) * scale
+    else:
+        for i in range(count):
+            intensity[i] = 1.0
+            facing[i] = nx[i] * lx + ny[i] * ly + nz[i] * lz
+            cosine[i] = vx[i] * lx + vy[i] * ly + vz[i] * lz
+    if lit.mirror:
+        for i in range(count):
+            cosine[i] = 2 * facing[i] * toward[i] - cosine[i]
+    else:
+        for i in range(count):
+            doubled = 2 + 2 * cosine[i]
+            cosine[i] = (facing[i] + toward[i]) / np.sqrt(max(1e-30, doubled))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def light_at(lit: LitMesh, triangle: Int, count: Int, room: Floats) -> None:
+    """Light at places, clamped and at full scale: from barycentric coordinates to colours, in ``room``."""
+    surface_at(lit, triangle, count, room)
+    facing, cosine, intensity, shine, base = room[13], room[14], room[15], room[16], room[17]
+    for colour in range(3):
+        out = room[18 + colour]
+        for i in range(count):
+            out[i] = 0.0
+    for index in range(len(lit.lights)):
+        light = lit.lights[index]
+        if light[0] != 0:
+            cosines_to(lit, index, count, room)
+            for i in range(count):
+                arriving = intensity[i] if facing[i] > 0 else 0.0
+                facing[i] *= arriving
+                intensity[i] = arriving if cosine[i] > 0 else 0.0
+                level = cosine[i] if cosine[i] < 1 else 1.0
+                cosine[i] = level if level > 0 else 0.0
+            raise_all(cosine, count, lit.exponent, lit.whole, shine)
+            for i in range(count):
+                shine[i] *= intensity[i]
+        for colour in range(3):
+            out, own = room[18 + colour], lit.colour[colour]
+            if len(lit.base):
+                corners = lit.base[triangle]
+                _across(room, count, corners[0, colour], corners[1, colour], corners[2, colour], base)
             else:
-                cosine = (facing + toward) / np.sqrt(max(2 + 2 * between, 1e-30))
-            arriving = facing * intensity
-            shine = power(min(cosine, 1.0), lit.exponent, lit.whole) * intensity if cosine > 0 else 0.0
-            red += arriving * (r * diffuse[0] * base[0]) + shine * (r * specular[0])
-            green += arriving * (g * diffuse[1] * base[1]) + shine * (g * specular[1])
-            blue += arriving * (b * diffuse[2] * base[2]) + shine * (b * specular[2])
+                for i in range(count):
+                    base[i] = own
+            if light[0] == 0:
+                level = light[4 + colour] * lit.ambient[colour]
+                for i in range(count):
+                    out[i] += level * base[i]
+            else:
+                level, part = (
+                    light[4 + colour] * lit.diffuse[colour],
+                    light[4 + colour] * lit.specular[colour],
+                )
+                for i in range(count):
+                    out[i] += facing[i] * (level * base[i]) + shine[i] * part
     full = lit.full
-    return min(max(red, 0.0), 1.0) * full, min(max(green, 0.0), 1.0) * full, min(max(blue, 0.0), 1.0) * full
+    for colour in range(3):
+        out, source = room[colour], room[18 + colour]
+        for i in range(count):
+            level = source[i] if source[i] > 0 else 0.0
+            out[i] = (level if level < 1 else 1.0) * full
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def _light_pixels(
+    lit: LitMesh, triangle: Int, x: Ints, y: Ints, first: Int, bits: int, room: Floats, out: Floats
+) -> None:
+    """Light at the centres of a triangle's pixels; ``out`` (m, 3) gets it from ``first`` on."""
+    count = len(x)
+    corners = lit.vertices
+    x0, y0 = 2 * corners[triangle, 0, 0], 2 * corners[triangle, 0, 1]
+    ax, ay = 2 * corners[triangle, 1, 0] - x0, 2 * corners[triangle, 1, 1] - y0
+    bx, by = 2 * corners[triangle, 2, 0] - x0, 2 * corners[triangle, 2, 1] - y0
+    area = 1 / (ax * by - bx * ay)
+    one, two, three = room[0], room[1], room[2]
+    for i in range(count):
+        px, py = ((2 * x[i] + 1) << bits) - x0, ((2 * y[i] + 1) << bits) - y0
+        two[i], three[i] = (px * by - bx * py) * area, (ax * py - px * ay) * area
+        one[i] = 1 - two[i] - three[i]
+    light_at(lit, triangle, count, room)
+    for colour in range(3):
+        source = room[colour]
+        for i in range(count):
+            out[first + i, colour] = source[i]
 
 
 @njit(cache=True, error_model="numpy")
 def shade_places(lit: LitMesh, triangle: Ints, weights: Floats) -> Floats:
     """(m, k, 3) light at (m, k, 3) or (1, k, 3) barycentric coordinates of (m,) triangles."""
-    places = weights.shape[1]
+    places, room = weights.shape[1], np.empty((ROWS, BLOCK))
     out = np.empty((len(triangle), places, 3))
     for index in range(len(triangle)):
         row = index if len(weights) > 1 else 0
-        for place in range(places):
-            out[index, place, 0], out[index, place, 1], out[index, place, 2] = _light(
-                lit, triangle[index], weights[row, place, 0], weights[row, place, 1], weights[row, place, 2]
-            )
+        for first in range(0, places, BLOCK):
+            count = min(places - first, BLOCK)
+            for i in range(count):
+                for corner in range(3):
+                    room[corner, i] = weights[row, first + i, corner]
+            light_at(lit, triangle[index], count, room)
+            for i in range(count):
+                for colour in range(3):
+                    out[index, first + i, colour] = room[colour, i]
     return out
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def pixel_light(
-    lit: LitMesh, triangle: Int, x: Int, y: Int, subpixel_bits: int
-) -> tuple[float, float, float]:
-    """Light at the centre of a pixel in a triangle, clamped and at full scale."""
-    corners = lit.vertices
-    x0, y0 = 2 * corners[triangle, 0, 0], 2 * corners[triangle, 0, 1]
-    ax, ay = 2 * corners[triangle, 1, 0] - x0, 2 * corners[triangle, 1, 1] - y0
-    bx, by = 2 * corners[triangle, 2, 0] - x0, 2 * corners[triangle, 2, 1] - y0
-    px, py = ((2 * x + 1) << subpixel_bits) - x0, ((2 * y + 1) << subpixel_bits) - y0
-    area = ax * by - bx * ay
-    second, third = (px * by - bx * py) / area, (ax * py - px * ay) / area
-    return _light(lit, triangle, 1 - second - third, second, third)
 
 
 @njit(cache=True, error_model="numpy")
 def shade_pixels(lit: LitMesh, triangle: Ints, x: Ints, y: Ints, subpixel_bits: int) -> Floats:
-    """(m, 3) light at the centres of pixels (m,) in triangles (m,)."""
-    out = np.empty((len(triangle), 3))
-    for index in range(len(triangle)):
-        out[index, 0], out[index, 1], out[index, 2] = pixel_light(
-            lit, triangle[index], x[index], y[index], subpixel_bits
-        )
+    """(m, 3) light at the centres of pixels (m,) in triangles (m,): best triangle by triangle."""
+    out, room = np.empty((len(triangle), 3)), np.empty((ROWS, BLOCK))
+    first = 0
+    while first < len(triangle):
+        count = 1
+        while count < BLOCK and first + count < len(triangle) and triangle[first + count] == triangle[first]:
+            count += 1
+        last = first + count
+        _light_pixels(lit, triangle[first], x[first:last], y[first:last], first, subpixel_bits, room, out)
+        first = last
     return out
+
+
+@njit(cache=True, error_model="numpy")
+def shade_rows(lit: LitMesh, rows: MeshRows, subpixel_bits: int, light: Floats) -> None:
+    """Write the light (m, 3) at all pixels of a mesh."""
+    room, x, y = np.empty((ROWS, BLOCK)), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
+    for triangle in range(len(rows.top)):
+        row, last = rows.rows[triangle], rows.rows[triangle + 1]
+        place, end = rows.places[row], rows.places[last]
+        while place < end:
+            first, count = place, min(BLOCK, end - place)
+            while place < first + count:
+                stop = min(rows.places[row + 1], first + count)
+                column, scanline = (
+                    rows.left[row] - rows.places[row],
+                    rows.top[triangle] + row - rows.rows[triangle],
+                )
+                for i in range(place, stop):
+                    x[i - first], y[i - first] = column + i, scanline
+                place = stop
+                row += place == rows.places[row + 1]
+            _light_pixels(lit, triangle, x[:count], y[:count], first, subpixel_bits, room, light)

@@ -27,7 +27,7 @@ from quadshade.contract.shade_state import (
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.scene.project import Projected
-from quadshade.shading.lights import AmbientLight, Light, PointedLight, default_lights
+from quadshade.shading.lights import AmbientLight, Light, PointedLight, PointLight, default_lights
 from quadshade.shading.material import Material, dot
 from quadshade.shading.sample import (
     CHUNK,
@@ -275,6 +275,22 @@ def light_colours(
     return arriving * (np.asarray(material.diffuse) * material.colour), arriving * np.asarray(
         material.specular
     )
+
+
+def light_strength(projected: Projected, lights: Sequence[PointedLight], points: np.ndarray) -> np.ndarray:
+    """(lights,) float64 the largest intensity of each light at (k, 3) points of all triangles."""
+    strength = np.full(len(lights), np.finfo(np.float64).tiny)
+    for start in range(0, len(projected), CHUNK):
+        rows = np.arange(start, min(start + CHUNK, len(projected)))
+        point = surface(projected, rows, points)[0] if any_near(lights) else np.zeros((1, 3))
+        for index, light in enumerate(lights):
+            strength[index] = max(strength[index], np.max(light.reach(point)[1]))
+    return strength
+
+
+def any_near(lights: Sequence[PointedLight]) -> bool:
+    """Whether any light is at a place: the others are everywhere as strong."""
+    return any(isinstance(light, PointLight) for light in lights)
 
 
 def cosines(
