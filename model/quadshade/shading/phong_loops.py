@@ -316,25 +316,6 @@ def _light_pixels(
 
 
 @njit(cache=True, error_model="numpy")
-def shade_places(lit: LitMesh, triangle: Ints, weights: Floats) -> Floats:
-    """(m, k, 3) light at (m, k, 3) or (1, k, 3) barycentric coordinates of (m,) triangles."""
-    places, room = weights.shape[1], np.empty((ROWS, BLOCK))
-    out = np.empty((len(triangle), places, 3))
-    for index in range(len(triangle)):
-        row = index if len(weights) > 1 else 0
-        for first in range(0, places, BLOCK):
-            count = min(places - first, BLOCK)
-            for i in range(count):
-                for corner in range(3):
-                    room[corner, i] = weights[row, first + i, corner]
-            light_at(lit, triangle[index], count, room)
-            for i in range(count):
-                for colour in range(3):
-                    out[index, first + i, colour] = room[colour, i]
-    return out
-
-
-@njit(cache=True, error_model="numpy")
 def shade_pixels(lit: LitMesh, triangle: Ints, x: Ints, y: Ints, subpixel_bits: int) -> Floats:
     """(m, 3) light at the centres of pixels (m,) in triangles (m,): best triangle by triangle."""
     out, room = np.empty((len(triangle), 3)), np.empty((ROWS, BLOCK))
