@@ -240,7 +240,7 @@ synth-check: setup ## measure the table synth/resources.json again and compare (
 	@JOBS=$(JOBS) $(VENV) -m scripts.synth check
 
 .PHONY: bitstream
-bitstream: setup ## a board's bitstream in build/bitstream, BOARD=ulx3s-85f, ulx3s-25f, ulx3s-12f, icebreaker
+bitstream: setup ## a board's bitstream in build/bitstream, BOARD=name of synth/boards
 	@$(VENV) -m scripts.bitstream build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
 
 .PHONY: clocks

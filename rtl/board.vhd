@@ -40,6 +40,10 @@ entity board is
     single_port_memory : natural := 0;
     -- 1: what scan_out makes of the picture, for a monitor of 640 x 480 and a clock of 100 MHz.
     with_video : natural := 0;
+    -- 2: one buffer is shown while the other is drawn, until SWAP.
+    buffers : positive := 1;
+    -- Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
+    colour_bits : positive := 8;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
     -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
@@ -71,7 +75,8 @@ architecture rtl of board is
   constant depth_bytes : natural := with_depth * ((depth_bits + 7) / 8);
   constant features : natural :=
     with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map
-    + with_video * feature_display;
+    + with_video * feature_display + (buffers - 1) * feature_two_buffers
+    + boolean'pos(colour_bits = 6) * feature_colours_656 + boolean'pos(colour_bits = 4) * feature_colours_444;
 
   -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
   function phase_step_of(rate : positive; frequency : positive) return natural is
@@ -110,7 +115,7 @@ architecture rtl of board is
   signal state_address : u_unsigned(31 downto 0);
   signal state_data : std_ulogic_vector(31 downto 0);
 
-  signal screen_idle, clear_valid, clear_ready, read_valid, read_ready : std_ulogic;
+  signal screen_idle, clear_valid, clear_ready, swap_valid, swap_ready, read_valid, read_ready : std_ulogic;
   signal clear_colour : std_ulogic_vector(31 downto 0);
   signal read_x, read_y, read_width, read_count : u_unsigned(15 downto 0);
   signal read_plane, crc_plane : u_unsigned(1 downto 0);
@@ -172,6 +177,7 @@ begin
       state_valid => state_valid, state_ready => state_ready, state_address => state_address,
       state_data => state_data,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+      swap_valid => swap_valid, swap_ready => swap_ready,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => read_count, read_pixels => open, read_plane => read_plane,
       read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
@@ -227,11 +233,13 @@ begin
     generic map (
       width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
       with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
-      single_port_memory => single_port_memory, with_video => with_video, crc_cycles => crc_cycles
+      single_port_memory => single_port_memory, with_video => with_video, buffers => buffers,
+      colour_bits => colour_bits, crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+      swap_valid => swap_valid, swap_ready => swap_ready,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
       pixel_value => drawn_value, pixel_depth => drawn_depth,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,

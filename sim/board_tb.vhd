@@ -38,6 +38,8 @@ entity board_tb is
     with_edge_map : natural := 0;
     single_port_memory : natural := 0;
     with_video : natural := 0;
+    buffers : positive := 1;
+    colour_bits : positive := 8;
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
     crc_cycles : positive := 1
@@ -79,8 +81,8 @@ begin
       shade_guard_bits => shade_guard_bits, clk_frequency_hz => clk_frequency_hz, baud => baud,
       fifo_words => fifo_words, screen_width => screen_width, screen_height => screen_height,
       with_edge_map => with_edge_map, single_port_memory => single_port_memory,
-      with_video => with_video, most_counter_bits => most_counter_bits, single_buffer => single_buffer,
-      crc_cycles => crc_cycles
+      with_video => with_video, buffers => buffers, colour_bits => colour_bits,
+      most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles
     )
     port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);
 

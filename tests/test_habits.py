@@ -18,7 +18,7 @@ from click.testing import CliRunner
 
 from quadshade.cli.main import main
 from quadshade.contract.protocol import definition_hash
-from quadshade.contract.releases import RELEASES, other_release, release_of
+from quadshade.contract.releases import RELEASES, UNRELEASED, other_release, release_of
 from quadshade.engine.environment import environment
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -160,9 +160,10 @@ def test_editorconfig_agrees_with_the_lint() -> None:
 def test_version_is_a_release_with_its_definition() -> None:
     """HELLO carries the definition, which says the release: one table ties it to pyproject's version."""
     assert list(RELEASES)[-1] == PROJECT["version"], "enter the version in contract/releases.py"
-    assert f"{RELEASES[PROJECT['version']]:08x}" == f"{definition_hash():08x}", (
+    assert f"{UNRELEASED or RELEASES[PROJECT['version']]:08x}" == f"{definition_hash():08x}", (
         "formats, packet layout or protocol changed: boards have to be built anew, so enter the hash"
     )
+    assert UNRELEASED not in RELEASES.values(), "it is that of a release: enter None"
     assert f"\n## {PROJECT['version']} - " in (ROOT / "CHANGELOG.md").read_text()
 
 

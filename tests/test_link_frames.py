@@ -175,11 +175,11 @@ def test_definition_hash_covers_formats_and_protocol(monkeypatch: pytest.MonkeyP
 
 
 def test_what_is_sequenced_and_what_answers() -> None:
-    sequenced = {"CLEAR", "STATE", "TRIANGLES", "READ", "FRAME_CRC"}
+    sequenced = {"CLEAR", "STATE", "TRIANGLES", "READ", "FRAME_CRC", "SWAP"}
     assert {opcode.name for opcode in Opcode if opcode.is_sequenced} == sequenced
     others = {"HELLO", "STATUS", "RESET", "BAUD"}
     assert {opcode.name for opcode in Opcode if not opcode.is_answer} == sequenced | others
-    assert len(Opcode) == 17 and protocol.MAGIC.to_bytes(4, "little") == b"QSHD"
+    assert len(Opcode) == 18 and protocol.MAGIC.to_bytes(4, "little") == b"QSHD"
 
 
 def test_every_fault_happens() -> None:

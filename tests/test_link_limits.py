@@ -20,7 +20,7 @@ from quadshade.contract.protocol import (
 )
 from quadshade.golden.link.frame_receiver import FrameReceiver, Reach, Verdict
 
-REACHES = (Reach(), Reach(64, 32, (1, 0, 2, 2)), Reach(9, 6, (4, 2, 0, 0)))
+REACHES = (Reach(with_swap=True), Reach(64, 32, (1, 0, 2, 2)), Reach(9, 6, (4, 2, 0, 0)))
 
 
 def verdict_of(case: Case, reach: Reach, overflow: bool = False) -> Verdict:

@@ -18,7 +18,8 @@ from cocotb_tests.support.link_stimuli import body_of, good_area
 from cocotb_tests.support.pins import PinsTransport
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import FACTOR_BITS, STATE_REGISTERS, Formats
-from quadshade.contract.protocol import ANSWER_BIT, LinkError, Opcode, pack_payload, phase_step, plane_bytes
+from quadshade.contract.identity import colour_bits, knows, plane_bytes
+from quadshade.contract.protocol import ANSWER_BIT, LinkError, Opcode, pack_payload, phase_step
 from quadshade.contract.shade_state import colour_state
 from quadshade.golden.board import BoardModel
 from quadshade.golden.compiled import draw_fast
@@ -53,6 +54,8 @@ class Config:
     single_buffer: int = 0
     crc_cycles: int = 1
     with_video: int = 0
+    buffers: int = 1
+    colour_bits: int = 8
 
     @property
     def formats(self) -> Formats:
@@ -72,7 +75,14 @@ class Config:
             bool(self.with_edge_map),
             bool(self.with_video),
             self.most_counter_bits,
+            self.buffers,
+            self.colour_bits,
         )
+
+    @property
+    def picture_memory(self) -> tuple[int, int]:
+        """Buffers, and bits of a colour."""
+        return self.buffers, self.colour_bits
 
     @property
     def bit_ns(self) -> float:
@@ -101,6 +111,8 @@ CONFIGS = [
     # The step is rounded up.
     Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0, baud=15_005),
     Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
+    Config(coord_bits=6, buffers=2, colour_bits=4),
+    Config(num_channels=1, with_depth=0, coord_bits=6, with_edge_map=0, buffers=2, colour_bits=6),
 ]
 
 
@@ -136,6 +148,8 @@ async def scenes(dut: Any) -> None:
         bench.check("what HELLO says", identity, identity | wanted)
         planes = [number for number, size in enumerate(plane_bytes(identity)) if size]
         size = (identity["screen_width"], identity["screen_height"], plane_bytes(identity))
+        swaps = knows(identity, Opcode.SWAP)
+        bench.check("buffers and colours", (swaps + 1, colour_bits(identity)), bench.config.picture_memory)
         for index, count in enumerate((4, 2)):
             colour = bench.bits(32)
             words = scene_words(bench, count)
@@ -161,6 +175,11 @@ async def scenes(dut: Any) -> None:
             found = session.ask(Opcode.READ, areas)
             for at, area in enumerate(areas):
                 bench.check("bytes of an area", found.get(at), drawing.read(**area), at, area)
+            if swaps:
+                # What was cleared at power-up, or drawn before the last swap, is there again.
+                session.swap()
+                drawing.swap()
+                bench.check("CRC of the other buffer", session.frame_crc(), drawing.frame_crc(0), index)
         status = session.status()
         for name in ("bad_cobs", "bad_crc", "framing_errors", "overruns", "duplicates", "gaps", "refused"):
             bench.check(name, status[name], 0)
@@ -235,9 +254,10 @@ async def requests_overlap(dut: Any) -> None:
     clear = [pack_payload(Opcode.CLEAR, {"colour": bench.draw.getrandbits(32)}) for _ in range(2)]
     crc = pack_payload(Opcode.FRAME_CRC, {"reserved": 0, "plane": 0})
     area = pack_payload(Opcode.READ, good_area(bench.draw, reach, 12))
+    swap = [(Opcode.SWAP, b"")] if bench.config.buffers == 2 else []
     asked = (
-        *((Opcode.CLEAR, clear[0]), (Opcode.FRAME_CRC, crc), (Opcode.CLEAR, clear[1])),
-        *((Opcode.FRAME_CRC, crc), (Opcode.READ, area), (Opcode.STATUS, b"")),
+        *((Opcode.CLEAR, clear[0]), (Opcode.FRAME_CRC, crc), *swap, (Opcode.CLEAR, clear[1])),
+        *((Opcode.FRAME_CRC, crc), *swap, (Opcode.READ, area), (Opcode.STATUS, b"")),
     )
     wanted = []
     for number, (opcode, payload) in enumerate(asked):

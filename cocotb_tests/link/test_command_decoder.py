@@ -40,7 +40,7 @@ class Config:
     clk_frequency_hz: int = 100_000_000
     default_phase_step: int = 167772
     fifo_words: int = 64
-    features: int = 5
+    features: int = 21
     screen_width: int = 320
     screen_height: int = 240
     colour_bytes: int = 3
@@ -240,7 +240,7 @@ async def every_limit(dut: Any) -> None:
     bench = Bench(dut, Config, "every_limit")
     board, model, parser, reasons = Board(bench), model_of(bench), FrameParser(), set()
     await board.start()
-    for index, case in enumerate(limits(Reach(), far=False)):
+    for index, case in enumerate(limits(Reach(with_swap=True), far=False)):
         line = enclosed(case.body(model.receiver.expected))
         expected = parser.feed(model.feed(line))
         await board.send(line)

@@ -12,7 +12,7 @@ import pytest
 
 from cocotb_tests.link.test_command_decoder import Config
 from cocotb_tests.support.bench import Bench
-from cocotb_tests.support.link_board import CLOCKS, Board, Effects, told
+from cocotb_tests.support.link_board import CLOCKS, GATES, Board, Effects, told
 from cocotb_tests.support.link_stimuli import body_of, good_payload
 from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
@@ -28,7 +28,7 @@ SMALL = Config(
     clk_frequency_hz=0x12345678,
     default_phase_step=0x1ABCDE,
     fifo_words=32,
-    features=7,
+    features=23,
     screen_width=0x0141,
     screen_height=0x00F3,
     colour_bytes=4,
@@ -248,10 +248,10 @@ async def resets(dut: Any) -> None:
         bench.check("effects", pair.board.effects.done, pair.model.drawing.done)
         bench.check("rate at the end", pair.board.rate, pair.model.phase_step)
 
-    gates = [(f"{name}_valid", f"{name}_ready") for name in ("setup", "state", "clear", "read", "frame_crc")]
+    gates = [(f"{name}_valid", f"{name}_ready") for name in GATES]
     lines = ["line_valid", ("send_valid", "send_ready"), "frame_seen", "core_reset", "frame_crc_done"]
     quiet = [
-        *(f"{name}_valid" for name in ("setup", "state", "clear", "read", "frame_crc", "send")),
+        *(f"{name}_valid" for name in (*GATES, "send")),
         "core_reset",
     ]
     await reset_amid(bench, work, [*gates, *lines], rounds=12, quiet=quiet)

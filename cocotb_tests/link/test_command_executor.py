@@ -18,11 +18,11 @@ from quadshade.contract.protocol import Opcode
 from quadshade.golden.link.command_executor import begin, execute
 from quadshade.golden.link.frame_fifo import FrameFifo
 
-COMMANDS = [opcode for opcode in Opcode if opcode.is_sequenced]
 PORTS = {
     "setup": ("data",),
     "state": ("address", "data"),
     "clear": ("colour",),
+    "swap": (),
     "read": READ_FIELDS,
     "frame_crc": ("plane",),
 }
@@ -30,10 +30,17 @@ PORTS = {
 
 @dataclass(frozen=True)
 class Config:
-    """``command_executor`` has no generics."""
+    """Generics of ``command_executor``."""
+
+    with_swap: int = 0
+
+    @property
+    def commands(self) -> list[Opcode]:
+        """What it is given."""
+        return [op for op in Opcode if op.is_sequenced and (op is not Opcode.SWAP or self.with_swap)]
 
 
-@pytest.mark.parametrize("config", [Config()], ids=identifier)
+@pytest.mark.parametrize("config", [Config(), Config(with_swap=1)], ids=identifier)
 def test_command_executor(config: Config) -> None:
     simulate("command_executor", config)
 
@@ -111,7 +118,7 @@ async def run(bench: Bench, source: str, sink: str, opcodes: list[Opcode], most_
 @cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
 async def commands(dut: Any, source: str, sink: str) -> None:
     bench = await start(dut, f"commands {source} {sink}")
-    await run(bench, source, sink, bench.draw.choices(COMMANDS, k=80), MOST_WORDS)
+    await run(bench, source, sink, bench.draw.choices(bench.config.commands, k=80), MOST_WORDS)
     bench.finish(at_least=500)
 
 
@@ -120,9 +127,11 @@ async def resets(dut: Any) -> None:
     bench = await start(dut, "resets")
 
     async def work() -> None:
-        await run(bench, "throttled", "throttled", bench.draw.sample(COMMANDS, len(COMMANDS)), 3)
+        commands = bench.config.commands
+        await run(bench, "throttled", "throttled", bench.draw.sample(commands, len(commands)), 3)
 
-    taken = [(f"{name}_valid", f"{name}_ready") for name in ("fifo", *PORTS)]
+    asked = [name for name in PORTS if name != "swap" or bench.config.with_swap]
+    taken = [(f"{name}_valid", f"{name}_ready") for name in ("fifo", *asked)]
     quiet = [*(f"{name}_valid" for name in PORTS), "result_due"]
     await reset_amid(bench, work, [*taken, "frame_crc_done", ("result_due", "result_taken")], quiet=quiet)
     bench.finish(at_least=500)

@@ -45,6 +45,7 @@ class Config:
     colour_bytes: int = 3
     depth_bytes: int = 2
     with_edge_map: int = 0
+    with_swap: int = 1
     crc_cycles: int = 1
 
     @property
@@ -52,7 +53,7 @@ class Config:
         """What READ and FRAME_CRC may name."""
         edges = EDGE_BYTES * self.with_edge_map
         planes = (self.colour_bytes, self.depth_bytes, edges, edges)
-        return Reach(self.screen_width, self.screen_height, planes)
+        return Reach(self.screen_width, self.screen_height, planes, bool(self.with_swap))
 
     @property
     def pause(self) -> int:
@@ -63,7 +64,7 @@ class Config:
 CONFIGS = [
     Config(),
     Config(screen_width=64, screen_height=31, colour_bytes=1, depth_bytes=0, with_edge_map=1, crc_cycles=4),
-    Config(screen_width=9, screen_height=6, colour_bytes=4),
+    Config(screen_width=9, screen_height=6, colour_bytes=4, with_swap=0),
 ]
 
 
@@ -250,6 +251,8 @@ async def every_request_and_fault(dut: Any) -> None:
     line = Line(bench, "full_speed")
     words = good_payload(bench.draw, Opcode.TRIANGLES, 1)
     wanted = [one for one in product(*LINK_BINS.values()) if not excluded(one)]
+    if not bench.config.with_swap:
+        wanted = [one for one in wanted if one[1] != Opcode.SWAP.name]
     for index, (state, request, fault) in enumerate(wanted):
         ahead = 0 if state == "in order" else 3
         await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected + ahead, words))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture memory against its model: pixels anywhere, reads at any time, clears amid pixels."""
+"""The picture memory against its model: pixels anywhere, reads at any time, clears amid pixels, swaps."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from itertools import repeat
 from typing import Any
 
 import cocotb
+import numpy as np
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.block_ram import BlockRam
+from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours, thresholds
 
 PIXEL = ("x", "y", "value")
 INPUTS = (
@@ -25,6 +27,8 @@ INPUTS = (
     *(f"pixel_{n}" for n in PIXEL),
     "read_enable",
     "read_address",
+    "swap",
+    "show_address",
 )
 
 
@@ -37,13 +41,32 @@ class Config:
     coord_bits: int = 6
     value_bits: int = 24
     single_port: int = 0
+    buffers: int = 1
+    colour_bits: int = 8
+
+    def kept(self, value: int, threshold: int) -> int:
+        """A value as it is read again."""
+        if self.colour_bits == 8:
+            return value
+        data = value.to_bytes(self.value_bits // 8, "little")
+        kept = kept_colours(np.array(list(data)), threshold, self.colour_bits)
+        return int.from_bytes(bytes(kept.tolist()), "little")
+
+    def drawn(self, x: int, y: int, value: int) -> int:
+        """A pixel as it is read again."""
+        return self.kept(value, int(thresholds(np.array(x), np.array(y))))
 
 
 CONFIGS = [
     Config(),
+    Config(buffers=2),
     Config(width=8, height=8, coord_bits=3, value_bits=1),
     Config(width=1, height=1, value_bits=8),
     Config(value_bits=8, single_port=1),
+    Config(width=9, height=7, buffers=2, colour_bits=4),
+    Config(buffers=2, colour_bits=6),
+    Config(value_bits=32, colour_bits=6),
+    Config(width=1, height=1, coord_bits=1, value_bits=8, buffers=2, colour_bits=4),
 ]
 
 
@@ -59,11 +82,14 @@ async def compare(bench: Bench, pixels: str, reads: str, resets: Iterator[bool])
     await bench.start(*INPUTS)
     # Not a pixel that is accepted with a clear, nor one that is being written, may be lost or come late.
     offers, looks = SPEEDS[pixels](bench.draw), SPEEDS[reads](bench.draw)
-    memory = BlockRam(5 - 3 * config.single_port)
-    memory.fill(0, words)
+    memories = [BlockRam(5 - 3 * config.single_port) for _ in range(config.buffers)]
+    for memory in memories:
+        memory.fill(0, words)
+    # The buffer that is drawn and read; another one is shown.
+    drawn = config.buffers - 1
     # Pixels are readable three cycles after they are accepted; one being written may read as anything.
     coming: deque[list[tuple[int, int, int]]] = deque([[], []])
-    busy, was_busy = words, True
+    busy, was_busy, filling_both = words, True, config.buffers == 2
     for index in range(words + 1600):
         offered = None
         if next(offers):
@@ -79,6 +105,11 @@ async def compare(bench: Bench, pixels: str, reads: str, resets: Iterator[bool])
             if x < config.width and y < config.height:
                 address = y * config.width + x
         look, reset = next(looks), next(resets)
+        shown_address = bench.draw.randrange(words)
+        on_their_way = any(x < config.width and y < config.height for some in coming for x, y, _ in some)
+        idle = busy == 0 and not on_their_way
+        swap = config.buffers == 2 and idle and bench.chance(0.1)
+        dut.swap.value, dut.show_address.value = int(swap), shown_address
         dut.reset.value = int(reset)
         dut.pixel_valid.value = int(offered is not None)
         for name, word in zip(PIXEL, offered or (0, 0, 0), strict=True):
@@ -88,21 +119,31 @@ async def compare(bench: Bench, pixels: str, reads: str, resets: Iterator[bool])
         await bench.edge()
         bench.check("busy", bool(dut.busy.value), busy > 0, index)
         bench.check("pixel_ready", bool(dut.pixel_ready.value), busy == 0, index)
-        on_their_way = any(x < config.width and y < config.height for some in coming for x, y, _ in some)
-        bench.check("idle", bool(dut.idle.value), busy == 0 and not on_their_way, index)
+        bench.check("idle", bool(dut.idle.value), idle, index)
+        memory = memories[drawn]
         if memory.read_data is not None:
             bench.check("read_value", int(dut.read_value.value), memory.read_data, index)
         write = None
         for x, y, pixel in coming.popleft():
             if x < config.width and y < config.height:
-                write = (y * config.width + x, pixel)
+                write = (y * config.width + x, config.drawn(x, y, pixel))
         memory.clock(write, address if look else None)
+        for shown in (memories[1 - drawn],) if config.buffers == 2 else ():
+            if shown.read_data is not None:
+                bench.check("show_value", int(dut.show_value.value), shown.read_data, index)
+            shown.clock(None, shown_address)
         # The fill's last word is written in the cycle after it, at the latest.
         if look and (busy > 0 or was_busy):
             memory.fetched[0] = None
         if config.single_port and (busy > 0 or write is not None):
             memory.fetched[0] = None
+        filling_both = filling_both and (busy > 0 or was_busy)
+        if filling_both:
+            memories[1 - drawn].fetched[0] = None
         was_busy = busy > 0
+        if swap:
+            drawn = 1 - drawn
+            memory = memories[drawn]
         coming.append([tuple(offered)] if offered is not None and busy == 0 else [])
         if busy == 0 and clear:
             # Those on their way are written first, so the fill may cover them at once here.
@@ -114,13 +155,15 @@ async def compare(bench: Bench, pixels: str, reads: str, resets: Iterator[bool])
             )
             busy = words + 1 + waits
             coming = deque([[], []])
-            memory.fill(value, words)
+            memory.fill(config.kept(value, HALF_STEP), words)
         elif busy > 0:
             busy -= 1
         if reset:
             # To the value that stands there, whatever was on its way or was filled.
             coming, busy = deque([[], []]), words
-            memory.fill(value, words)
+            drawn, filling_both = config.buffers - 1, config.buffers == 2
+            for memory in memories:
+                memory.fill(config.kept(value, HALF_STEP), words)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -66,6 +66,8 @@ class Monitor:
         self.bench, self.timing = bench, bench.config.timing
         self.memory = BlockRam(bench.config.read_stages)
         self.words: list[tuple[int, ...]] = []
+        # Pixels since the frame's begin; whether it is blank, as the port says a cycle later.
+        self.place, self.blank = 0, False
 
     def paint(self) -> np.ndarray:
         """Another picture in the memory, of any bytes."""
@@ -82,6 +84,12 @@ class Monitor:
         dut.may_read.value = int(may_read)
         dut.read_value.value = self.memory.read_data or 0
         await bench.edge()
+        bench.check("blank", bool(dut.blank.value), self.blank, self.place)
+        if self.blank:
+            bench.check("nothing is read while it is blank", bool(dut.reads.value), False, self.place)
+        line = self.place // self.timing.all_columns % self.timing.all_lines
+        self.blank = self.timing.lines <= line < self.timing.all_lines - 1 and not dut.reset.value
+        self.place = 0 if dut.reset.value else self.place + int(dut.word_next.value)
         if dut.word_next.value:
             word = int(dut.words.value)
             self.words.append(tuple(word >> 10 * channel & 0x3FF for channel in range(3)))

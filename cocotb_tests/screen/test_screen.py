@@ -27,6 +27,7 @@ INPUTS = (
     "read_reset",
     "clear_valid",
     "clear_colour",
+    "swap_valid",
     "pixel_valid",
     *(f"pixel_{name}" for name in PIXEL),
     "read_valid",
@@ -52,11 +53,14 @@ class Config:
     single_port_memory: int = 0
     crc_cycles: int = 1
     with_video: int = 0
+    buffers: int = 1
+    colour_bits: int = 8
 
     def model(self) -> Screen:
         """The golden model."""
         depth_bits = self.depth_bits if self.with_depth else None
-        return Screen(self.width, self.height, self.num_channels, depth_bits, bool(self.with_edge_map))
+        edges = bool(self.with_edge_map)
+        return Screen(self.width, self.height, self.num_channels, depth_bits, edges, self.colour_bits)
 
     def reach(self) -> Reach:
         """What can be read."""
@@ -70,6 +74,8 @@ CONFIGS = [
     Config(width=32, height=4, depth_bits=20),
     Config(num_channels=4, depth_bits=5, with_edge_map=0),
     Config(width=20, height=15, with_video=1),
+    Config(buffers=2, colour_bits=4),
+    Config(num_channels=4, with_depth=0, with_edge_map=0, buffers=2, colour_bits=6),
     Config(num_channels=1, with_depth=0, with_edge_map=0, single_port_memory=1, crc_cycles=4),
 ]
 
@@ -146,6 +152,12 @@ class Driver:
         await self.cycle()
         self.bench.check("idle in a clear", bool(self.dut.idle.value), False)
 
+    async def swap(self) -> None:
+        """The other buffer is drawn and read from now on, if there are two: without a monitor at once."""
+        if self.bench.config.buffers == 2:
+            await self.handshake("swap")
+            self.model.swap()
+
     async def read(self, area: dict[str, int], most: int | None = None) -> bytes:
         """An area's bytes, or the first of them."""
         for name in AREA:
@@ -202,6 +214,9 @@ async def pictures(dut: Any, speed: str) -> None:
         if index % 6 == 5:
             await driver.settle()
             await driver.clear(bench.bits(32))
+        if index % 4 == 3:
+            await driver.settle()
+            await driver.swap()
     await driver.settle()
     for plane in planes:
         bytes_there = driver.model.plane(plane).tobytes()
@@ -268,6 +283,7 @@ async def resets(dut: Any, speed: str) -> None:
             crc = await driver.frame_crc(plane)
             bench.check("CRC of a plane", crc, driver.model.frame_crc(plane), None, plane)
             await driver.settle()
+            await driver.swap()
             colour = bench.bits(32)
             await driver.clear(colour)
             await driver.settle()
@@ -281,6 +297,7 @@ async def resets(dut: Any, speed: str) -> None:
         ("frame_crc_valid", "frame_crc_ready"),
         "frame_crc_done",
         ("clear_valid", "clear_ready"),
+        *([("swap_valid", "swap_ready")] if bench.config.buffers == 2 else []),
     )
     await reset_amid(bench, work, events, 10, quiet=("read_data_valid", "frame_crc_done", "idle"))
     bench.finish(at_least=40)

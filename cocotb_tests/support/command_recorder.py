@@ -29,6 +29,9 @@ class CommandRecorder:
     def clear(self, colour: int) -> None:
         self.done.append(("clear", colour))
 
+    def swap(self) -> None:
+        self.done.append(("swap",))
+
     def read(self, **fields: int) -> bytes:
         self.done.append(("read", *(fields[name] for name in READ_FIELDS)))
         return bytes(fields["count"])

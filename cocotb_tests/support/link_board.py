@@ -13,7 +13,7 @@ from quadshade.contract.protocol import Opcode, unpack_payload
 from quadshade.link.frames import Frame, FrameParser
 
 CLOCKS = ("clocks_busy", "clocks_idle")
-GATES = ("setup", "state", "clear", "read", "frame_crc")
+GATES = ("setup", "state", "clear", "swap", "read", "frame_crc")
 INPUTS = (
     *("line_valid", "line_data", "line_error", "break_seen", "send_ready", "send_busy", "core_idle"),
     *("pixel_done", "primitive_done", "read_data_valid", "read_data", "frame_crc_done", "frame_crc_value"),
@@ -143,6 +143,8 @@ class Board:
         elif dut.clear_valid.value and ready["clear"]:
             effects.clear(int(dut.clear_colour.value))
             self.busy = 20
+        elif dut.swap_valid.value and ready["swap"]:
+            effects.swap()
         elif dut.read_valid.value and ready["read"]:
             fields = {name: int(getattr(dut, f"read_{name}").value) for name in READ_FIELDS}
             self.reading = effects.read(**fields)

@@ -93,7 +93,7 @@ def wrong_body(draw: random.Random, expected: int, reach: Reach = REACH) -> byte
     if kind == "length":
         return sealed(bytes([0x12, expected]) + (len(payload) + 4).to_bytes(2, "little") + payload)
     if kind == "opcode":
-        return body_of(draw.choice((0x00, 0x15, 0x7F, 0x1F)), expected, payload)
+        return body_of(draw.choice((0x00, 0x1E, 0x7F, 0x1F)), expected, payload)
     if kind == "answer":
         return body_of(draw.choice((0x80, 0xC0, 0x92)), expected, payload)
     if kind == "fields":

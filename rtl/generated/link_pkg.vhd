@@ -31,6 +31,7 @@ package link_pkg is
   constant opcode_triangles : std_ulogic_vector(7 downto 0) := x"12";
   constant opcode_read : std_ulogic_vector(7 downto 0) := x"13";
   constant opcode_frame_crc : std_ulogic_vector(7 downto 0) := x"14";
+  constant opcode_swap : std_ulogic_vector(7 downto 0) := x"15";
   constant opcode_ack : std_ulogic_vector(7 downto 0) := x"80";
   constant opcode_hello_answer : std_ulogic_vector(7 downto 0) := x"81";
   constant opcode_status_answer : std_ulogic_vector(7 downto 0) := x"82";
@@ -72,12 +73,15 @@ package link_pkg is
   constant feature_shade : natural := 2;
   constant feature_edge_map : natural := 4;
   constant feature_display : natural := 8;
+  constant feature_two_buffers : natural := 16;
+  constant feature_colours_656 : natural := 32;
+  constant feature_colours_444 : natural := 64;
 
   -- What a board says of itself:
   --   clk_frequency_hz: system clock
   --   default_phase_step: phase step after power-up and after a break
   --   fifo_words: words of the command FIFO
-  --   features: bits: depth_test, shade, edge_map, display
+  --   features: bits: depth_test, shade, edge_map, display, two_buffers, colours_656, colours_444
   --   screen_width: pixels
   --   screen_height: pixels
   --   colour_bytes: bytes of a pixel in plane 0
@@ -99,7 +103,7 @@ package link_pkg is
 
   function least_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned;
   function most_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned;
-  function is_request(opcode : std_ulogic_vector(7 downto 0)) return std_ulogic;
+  function is_request(opcode : std_ulogic_vector(7 downto 0); with_swap : natural) return std_ulogic;
 
 end package link_pkg;
 
@@ -110,7 +114,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"f1dcd3ee");
+    words(1) := std_ulogic_vector'(x"f6b9d85e");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));
@@ -194,7 +198,7 @@ package body link_pkg is
     return words;
   end function most_words;
 
-  function is_request(opcode : std_ulogic_vector(7 downto 0)) return std_ulogic is
+  function is_request(opcode : std_ulogic_vector(7 downto 0); with_swap : natural) return std_ulogic is
     variable known : std_ulogic := '0';
   begin
     if opcode = opcode_hello then
@@ -222,6 +226,9 @@ package body link_pkg is
       known := '1';
     end if;
     if opcode = opcode_frame_crc then
+      known := '1';
+    end if;
+    if with_swap = 1 and opcode = opcode_swap then
       known := '1';
     end if;
     return known;

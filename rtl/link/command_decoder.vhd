@@ -84,6 +84,10 @@ entity command_decoder is
     clear_ready : in std_ulogic;
     clear_colour : out std_ulogic_vector(31 downto 0);
 
+    -- With two_buffers among the features.
+    swap_valid : out std_ulogic;
+    swap_ready : in std_ulogic := '0';
+
     read_valid : out std_ulogic;
     read_ready : in std_ulogic;
     read_x : out u_unsigned(15 downto 0);
@@ -118,6 +122,7 @@ architecture rtl of command_decoder is
   );
   constant identity : identity_t := identity_of(formats, board);
   constant free_bits : positive := address_bits(fifo_words) + 1;
+  constant with_swap : natural := (features / feature_two_buffers) mod 2;
 
   subtype byte_t is std_ulogic_vector(7 downto 0);
   subtype word_t is std_ulogic_vector(31 downto 0);
@@ -142,7 +147,6 @@ architecture rtl of command_decoder is
   signal fifo_valid, fifo_ready : std_ulogic;
   signal fifo_data, crc_value : word_t;
   signal command, command_number : byte_t;
-  signal count_read : u_unsigned(15 downto 0);
 
   -- Answers that wait, and the one that is sent.
   signal ack_due, nak_due, reply_due : std_ulogic := '0';
@@ -180,7 +184,7 @@ begin
     generic map (
       screen_width => screen_width, screen_height => screen_height, colour_bytes => colour_bytes,
       depth_bytes => depth_bytes, with_edge_map => (features / feature_edge_map) mod 2,
-      crc_cycles => crc_cycles
+      with_swap => with_swap, crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => all_reset, byte_valid => byte_valid, byte_data => byte_data,
@@ -227,34 +231,29 @@ begin
   end generate;
 
   executor : entity work.command_executor
+    generic map (with_swap => with_swap)
     port map (
       clk => clk, reset => all_reset, core_idle => core_idle,
       fifo_valid => fifo_valid, fifo_ready => fifo_ready, fifo_data => fifo_data,
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
       state_valid => state_valid, state_ready => state_ready, state_address => state_address,
       state_data => state_data, clear_valid => clear_valid, clear_ready => clear_ready,
-      clear_colour => clear_colour,
+      clear_colour => clear_colour, swap_valid => swap_valid, swap_ready => swap_ready,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
-      read_width => read_width, read_count => count_read, read_pixels => read_pixels,
+      read_width => read_width, read_count => read_count, read_pixels => read_pixels,
       read_plane => read_plane, frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
       frame_crc_plane => frame_crc_plane, frame_crc_done => frame_crc_done,
       frame_crc_value => frame_crc_value, result_due => result_due, result_taken => result_taken,
       command => command, number => command_number, crc => crc_value
     );
 
-  read_count <= count_read;
-
   -- Answers: what was asked at once, refusals, acknowledgements, results, in this order.
-  chosen <= "1000" when reply_due = '1' else
-    "0100" when nak_due = '1' else
-    "0010" when ack_due = '1' else
-    "0001" when result_due = '1' else
-    "0000";
+  chosen <= "1000" when reply_due = '1' else "0100" when nak_due = '1' else "0010" when ack_due = '1' else
+    "0001" when result_due = '1' else "0000";
   answer_valid <= (reply_due or nak_due or ack_due or result_due) and not step_due and not link_reset;
   -- The next command begins when nothing more is needed of this one: its CRC is not overwritten before.
   result_taken <= word_taken when sent_code = opcode_read_answer and word_index = 0 else
-    word_taken when sent_code = opcode_frame_crc_answer and word_index = 1 else
-    '0';
+    word_taken when sent_code = opcode_frame_crc_answer and word_index = 1 else '0';
 
   choose : process (all)
   begin
@@ -280,7 +279,7 @@ begin
       chosen_code <= command or x"80";
       chosen_number <= command_number;
       if command = opcode_read then
-        chosen_bytes <= count_read(9 downto 0);
+        chosen_bytes <= read_count(9 downto 0);
       else
         chosen_words <= to_unsigned(2, 6);
       end if;

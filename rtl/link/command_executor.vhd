@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: Apache-2.0
 --
 -- Commands, one after the other: TRIANGLES' words go to the core, all others wait until it is idle.
--- STATE gives a word to each of consecutive addresses; READ and FRAME_CRC end when their answer is begun.
+-- STATE gives a word to each of consecutive addresses; READ and FRAME_CRC end when their answer is begun,
+-- SWAP when it is taken, which on a board with a monitor is in its vertical blank.
 --
 -- Model: command_executor.py.  Test: test_command_executor.py.
 -- Latency: 1 cycle from header to TRIANGLES' first word.  One word per cycle.
@@ -13,6 +14,10 @@ use ieee.numeric_std.all;
 use work.link_pkg.all;
 
 entity command_executor is
+  generic (
+    -- 1: two buffers, which SWAP swaps; else there is no such command.
+    with_swap : natural := 0
+  );
   port (
     clk : in std_ulogic;
     reset : in std_ulogic;
@@ -35,6 +40,9 @@ entity command_executor is
     clear_valid : out std_ulogic;
     clear_ready : in std_ulogic;
     clear_colour : out std_ulogic_vector(31 downto 0);
+
+    swap_valid : out std_ulogic;
+    swap_ready : in std_ulogic := '0';
 
     read_valid : out std_ulogic;
     read_ready : in std_ulogic;
@@ -91,6 +99,7 @@ begin
   state_address <= address;
   clear_valid <= '1' when place = dispatch and code = opcode_clear else '0';
   clear_colour <= word_0;
+  swap_valid <= '1' when with_swap = 1 and place = dispatch and code = opcode_swap else '0';
   read_valid <= '1' when place = dispatch and code = opcode_read else '0';
   read_x <= unsigned(word_2(15 downto 0));
   read_y <= unsigned(word_2(31 downto 16));
@@ -121,6 +130,10 @@ begin
           if fifo_data(7 downto 0) = opcode_triangles then
             place <= pass;
           end if;
+          -- It has no words.
+          if with_swap = 1 and fifo_data(7 downto 0) = opcode_swap then
+            place <= settle;
+          end if;
         end if;
       elsif place = gather then
         if fifo_valid = '1' then
@@ -143,6 +156,10 @@ begin
       elsif place = dispatch then
         if code = opcode_clear then
           if clear_ready = '1' then
+            place <= header;
+          end if;
+        elsif with_swap = 1 and code = opcode_swap then
+          if swap_ready = '1' then
             place <= header;
           end if;
         elsif code = opcode_read then

@@ -21,6 +21,8 @@ entity frame_receiver is
     colour_bytes : positive := 3;
     depth_bytes : natural := 2;
     with_edge_map : natural := 0;
+    -- 1: SWAP is known.
+    with_swap : natural := 0;
     -- Of crc32: as many cycles at least lie between two bytes, and before a frame's end.
     crc_cycles : positive := 1
   );
@@ -252,7 +254,7 @@ begin
   begin
     if rising_edge(clk) then
       code := header(7 downto 0);
-      known <= is_request(code);
+      known <= is_request(code, with_swap);
       good_payload <= fits(code, length);
       reads <= '0';
       if code = opcode_read then

@@ -2,7 +2,8 @@
 --
 -- The picture on a monitor: words of three TMDS data channels, pixel after pixel of 640 x 480, every pixel of
 -- the framebuffer as a square of them. A scanline is fetched while the one above it is shown, in a burst of a
--- clock a pixel; while the framebuffer is read by others nothing is, and that scanline is black.
+-- clock a pixel; while the framebuffer is read by others nothing is, and that scanline is black. What a swap
+-- of two buffers waits for is said too: the vertical blank, in which nothing is fetched.
 --
 -- Model: scan_out.py.  Test: test_scan_out.py.
 -- Latency: a scanline and 7 pixels.  A pixel per clocks_per_pixel cycles.
@@ -38,6 +39,8 @@ entity scan_out is
 
     -- The memory is free. A clock with `reads` asks it for the address, whose value follows.
     may_read : in std_ulogic;
+    -- Below the last scanline, until the next frame's first one is fetched.
+    blank : out std_ulogic := '0';
     reads : out std_ulogic;
     read_address : out u_unsigned(address_bits(width * height) - 1 downto 0);
     read_value : in u_unsigned(8 * num_channels - 1 downto 0);
@@ -110,6 +113,10 @@ begin
     if rising_edge(clk) then
       starts <= '0';
       step <= '0';
+      blank <= '0';
+      if line >= lines and line /= all_lines - 1 then
+        blank <= '1';
+      end if;
       if pixel_clocks = clocks_per_pixel - 1 then
         pixel_clocks <= 0;
         step <= '1';
@@ -154,6 +161,7 @@ begin
       end if;
       if reset = '1' then
         starts <= '0';
+        blank <= '0';
         column <= 0;
         line <= 0;
         square_column <= 0;

@@ -28,6 +28,9 @@ entity screen is
     single_port_memory : natural := 0;
     -- 1: what scan_out makes of the picture, for a monitor.
     with_video : natural := 0;
+    -- Of framebuffer; with two buffers what is read is that which is drawn, beside the monitor.
+    buffers : positive := 1;
+    colour_bits : positive := 8;
     -- Of crc32.
     crc_cycles : positive := 1
   );
@@ -43,6 +46,10 @@ entity screen is
     clear_valid : in std_ulogic;
     clear_ready : out std_ulogic;
     clear_colour : in std_ulogic_vector(31 downto 0);
+
+    -- With two buffers: taken in the monitor's vertical blank, without a monitor as soon as it is idle.
+    swap_valid : in std_ulogic := '0';
+    swap_ready : out std_ulogic;
 
     pixel_valid : in std_ulogic;
     pixel_ready : out std_ulogic;
@@ -91,7 +98,7 @@ architecture rtl of screen is
   signal kept_valid, kept_ready, depth_ready, depth_idle, framebuffer_idle : std_ulogic;
   signal kept_x, kept_y : coord_t;
   signal kept_value, stored_value : u_unsigned(value_bits - 1 downto 0);
-  signal clear, clear_picture, quiet, held : std_ulogic;
+  signal clear, clear_picture, quiet, held, blank, swap : std_ulogic;
 
   signal place : place_t := rest;
   signal plane : u_unsigned(1 downto 0) := (others => '0');
@@ -104,7 +111,8 @@ architecture rtl of screen is
 
   signal memory_enable : std_ulogic;
   signal memory_address, area_address, scan_address : u_unsigned(address_width - 1 downto 0);
-  signal resting, scan_reads : std_ulogic;
+  signal resting, scan_free, scan_reads : std_ulogic;
+  signal scan_value, shown_value : u_unsigned(value_bits - 1 downto 0);
   signal stored, area_data : u_unsigned(8 * data_bytes - 1 downto 0);
   signal area_valid, area_taken, chosen_valid, chosen_ready : std_ulogic;
   signal edges : u_unsigned(8 * edge_bytes - 1 downto 0);
@@ -133,6 +141,8 @@ begin
   idle <= quiet;
   clear_ready <= quiet;
   clear <= clear_valid and quiet;
+  swap_ready <= quiet and blank;
+  swap <= swap_valid and quiet and blank;
 
   depth_gen : if with_depth = 1 generate
     signal look_depth : u_unsigned(depth_bits - 1 downto 0);
@@ -172,15 +182,16 @@ begin
   framebuffer_inst : entity work.framebuffer
     generic map (
       width => width, height => height, coord_bits => coord_bits, value_bits => value_bits,
-      single_port => single_port_memory
+      single_port => single_port_memory, buffers => buffers, colour_bits => colour_bits
     )
     port map (
       clk => clk, reset => reset, clear => clear_picture,
       clear_value => u_unsigned(clear_colour(value_bits - 1 downto 0)), busy => open,
-      idle => framebuffer_idle,
+      idle => framebuffer_idle, swap => swap,
       pixel_valid => kept_valid, pixel_ready => kept_ready, pixel_x => kept_x, pixel_y => kept_y,
       pixel_value => kept_value,
-      read_enable => memory_enable, read_address => memory_address, read_value => stored_value
+      read_enable => memory_enable, read_address => memory_address, read_value => stored_value,
+      show_address => scan_address, show_value => shown_value
     );
 
   -- Requests, one after the other.
@@ -258,18 +269,22 @@ begin
     );
 
   resting <= '1' when place = rest else '0';
-  memory_address <= scan_address when scan_reads = '1' else area_address;
+  -- With two buffers the monitor has a port of its own.
+  memory_address <= scan_address when scan_reads = '1' and buffers = 1 else area_address;
+  scan_free <= resting when buffers = 1 else '1';
+  scan_value <= stored_value when buffers = 1 else shown_value;
 
   video_gen : if with_video = 1 generate
     scan_inst : entity work.scan_out
       generic map (width => width, height => height, num_channels => num_channels)
       port map (
-        clk => clk, reset => reset, may_read => resting, reads => scan_reads, read_address => scan_address,
-        read_value => stored_value, word_next => video_next, words => video_words
+        clk => clk, reset => reset, may_read => scan_free, blank => blank, reads => scan_reads,
+        read_address => scan_address, read_value => scan_value, word_next => video_next, words => video_words
       );
   end generate;
 
   no_video_gen : if with_video = 0 generate
+    blank <= '1';
     scan_reads <= '0';
     scan_address <= (others => '0');
     video_next <= '0';

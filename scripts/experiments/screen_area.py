@@ -20,15 +20,19 @@ from scripts.one_line_errors import one_line_errors
 REPORT = REPORTS / "screen.md"
 LARGE = {"width": 320, "height": 240}
 SMALL = {"width": 160, "height": 120}
+DOUBLE = {"buffers": 2, "colour_bits": 4}
 
 CASES: list[tuple[str, str, dict[str, int]]] = [
     ("depth_test", "ecp5-85k-6", LARGE),
     ("framebuffer", "ecp5-85k-6", LARGE),
+    ("framebuffer", "ecp5-85k-6", LARGE | DOUBLE),
     ("read_out", "ecp5-85k-6", LARGE),
     ("edge_map", "ecp5-85k-6", {"max_width": 320}),
     ("scan_out", "ecp5-85k-6", {"width": 320}),
     ("depth_test", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL),
+    ("framebuffer", "ecp5-25k-6", SMALL | DOUBLE),
+    ("framebuffer", "ecp5-25k-6", SMALL | DOUBLE | {"colour_bits": 6}),
     ("framebuffer", "ice40-hx8k", {"width": 96, "height": 64, "value_bits": 8}),
     ("depth_test", "ice40-hx8k", {"width": 64, "height": 48, "value_bits": 8, "depth_bits": 15}),
 ]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from quadshade.contract import protocol
-from quadshade.contract.protocol import PAYLOADS, WORD_BYTES, Opcode, Reason
+from quadshade.contract.protocol import OPTIONAL, PAYLOADS, WORD_BYTES, Opcode, Reason
 
 HEADER = """\
 -- SPDX-License-Identifier: Apache-2.0
@@ -108,6 +108,28 @@ def identity_function() -> list[str]:
     return [*lines, "    return words;", "  end function identity_of;", ""]
 
 
+def known_function() -> list[str]:
+    """Lines of the function that tells what a board takes."""
+    lines = [
+        f"  function is_request({known_parameters()}) return std_ulogic is",
+        "    variable known : std_ulogic := '0';",
+        "  begin",
+    ]
+    for opcode in requests():
+        known_here = f"with_{opcode.name.lower()} = 1 and " if opcode in OPTIONAL else ""
+        lines += [
+            f"    if {known_here}opcode = opcode_{opcode.name.lower()} then",
+            "      known := '1';",
+            "    end if;",
+        ]
+    return [*lines, "    return known;", "  end function is_request;", ""]
+
+
+def known_parameters() -> str:
+    """Of that function: the opcode, and 1 or 0 for each request that not every board knows."""
+    return "; ".join([f"opcode : {BYTE}", *(f"with_{opcode.name.lower()} : natural" for opcode in OPTIONAL)])
+
+
 def constant_lines() -> list[str]:
     """Lines of the package's constants."""
     lines = [f"  constant {name} : positive := {getattr(protocol, name.upper())};" for name in CONSTANTS]
@@ -151,7 +173,7 @@ def package() -> str:
         "",
         f"  function least_words(opcode : {BYTE}) return u_unsigned;",
         f"  function most_words(opcode : {BYTE}) return u_unsigned;",
-        f"  function is_request(opcode : {BYTE}) return std_ulogic;",
+        f"  function is_request({known_parameters()}) return std_ulogic;",
         "",
         "end package link_pkg;",
         "",
@@ -160,13 +182,7 @@ def package() -> str:
         *identity_function(),
         *length_function("least_words", 0, "Words of a request's shortest payload."),
         *length_function("most_words", 1, "Words of a request's longest payload."),
-        f"  function is_request(opcode : {BYTE}) return std_ulogic is",
-        "    variable known : std_ulogic := '0';",
-        "  begin",
-        *choices("known", dict.fromkeys(requests(), "'1'")),
-        "    return known;",
-        "  end function is_request;",
-        "",
+        *known_function(),
         "end package body link_pkg;",
         "",
     ]

@@ -7,25 +7,31 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
 
-from quadshade.board.fallbacks import clear_word, host_formats, matched_channels, painters_order
+from quadshade.board.fallbacks import (
+    clear_word,
+    host_formats,
+    matched_channels,
+    painters_formats,
+    painters_notice,
+    painters_order,
+)
 from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
 from quadshade.board.simulated import SimulatedBoard
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
-from quadshade.contract.protocol import FEATURES, BoardResetError, LinkError
+from quadshade.contract.identity import has_feature, knows
+from quadshade.contract.protocol import BoardResetError, LinkError, Opcode
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine.draw import draw as draw_model
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import DrawnScreen
-from quadshade.image.visible import visible
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
@@ -119,8 +125,9 @@ class Board(BoardReader):
             self.formats = Formats(**{name: self.identity[name] for name in names})
             self.host_formats = host_formats(self.formats)
             self.width, self.height = self.identity["screen_width"], self.identity["screen_height"]
-            has_edges = bool(self.identity["features"] >> FEATURES.index("edge_map") & 1)
-            self._expected = DrawnScreen(self.width, self.height, self.formats, has_edges)
+            size, has_edges = (self.width, self.height), has_feature(self.identity, "edge_map")
+            self._expected = DrawnScreen(*size, self.formats, has_edges, self.colour_bits)
+            self._is_shown = False
             # What a board that was reset has to be told again, and what it knew before the picture was begun.
             self._journal: list[Callable[[], None]] = []
             self._registers: dict[int, int] = {}
@@ -154,12 +161,7 @@ class Board(BoardReader):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        problem: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *problem: object) -> None:
         self.close()
 
     # What happens when the board is reset.
@@ -216,11 +218,23 @@ class Board(BoardReader):
         """CLEAR, and a journal that begins with it."""
         self._journal = []
         self._pixels = []
+        self._is_shown = False
         if self._registers:
             known = dict(self._registers)
             self._journal.append(lambda: self._send_state(known))
         self._do(lambda: self.session.clear(word))
         self._expected.clear(word)
+
+    def show(self) -> None:
+        """
+        Show what was drawn, whole, where there are two buffers; the next thing is a :meth:`clear`.
+
+        A board with one buffer shows every pixel as it is drawn, and does nothing here.
+        """
+        if knows(self.identity, Opcode.SWAP) and not self._is_shown:
+            self._do(self.session.swap)
+            self._expected.swap()
+            self._is_shown = True
 
     def state(self, state: ShadeState) -> None:
         """Load the shade unit's registers and tables."""
@@ -274,7 +288,9 @@ class Board(BoardReader):
         self._check_size(matched.width, matched.height)
         if self.formats.with_depth == 0 and matched.depth is not None:
             matched = painters_order(matched)
-            notices += self._painters_notice(matched, limit, setup)
+            drawing = draw_model(matched, painters_formats(self.formats), "model", limit=limit, **setup)
+            self._pixels.append(drawing.pixels)
+            notices.append(painters_notice(self._pixels, self.width, self.height))
             matched = replace(matched, depth=None)
         for text in notices:
             self._notice(text)
@@ -303,6 +319,7 @@ class Board(BoardReader):
             raise QuadshadeError(
                 "what is to be sent is no row of uint32 words", "send those of pack_primitives"
             )
+        self._check_drawn()
         self._do(lambda: self._stream(words, triangles))
         self._triangles += triangles
         self._expected.triangles(words.tolist())
@@ -317,25 +334,6 @@ class Board(BoardReader):
         if self.progress:
             statistics = self.session.statistics
             self.progress(what, done, total, statistics["bytes_sent"] + statistics["bytes_received"])
-
-    def _painters_notice(
-        self, triangles: ScreenTriangles, limit: float | None, setup: dict[str, Any]
-    ) -> list[str]:
-        """How many pixels of the picture so far are not those that a z-buffer would show."""
-        formats = replace(host_formats(self.formats), num_channels=self.formats.num_channels)
-        orders = replace(formats, max_order=max(self.formats.max_order, 1))
-        drawing = draw_model(triangles, orders, "model", limit=limit, **setup)
-        self._pixels.append(drawing.pixels)
-        names = ("triangle", "x", "y", "value", "depth")
-        columns = (np.concatenate([getattr(one, name) for one in self._pixels]) for name in names)
-        pixels = Pixels(*columns)
-        nearest = visible(pixels, self.width, self.height)
-        last = visible(replace(pixels, depth=None), self.width, self.height)
-        shown = nearest >= 0
-        differ = (pixels.value[nearest[shown]] != pixels.value[last[shown]]).any(axis=1)
-        count = int(np.count_nonzero(differ))
-        text = f"{count} of {int(shown.sum())} pixels differ from the z-buffer's picture"
-        return [f"drawn in painter's order, as the board has no depth: {text}"]
 
     def replay(self, frame: FrameFile, verify: bool = True) -> None:
         """
@@ -353,12 +351,10 @@ class Board(BoardReader):
         QuadshadeError
           The board has other generics or another screen; or a CRC differs.
         """
-        names = ", ".join(
-            f"{name}={value} (the board: {self.identity[name]})"
-            for name, value in frame.formats.generics().items()
-            if value != self.identity[name]
-        )
-        if names:
+        wanted = frame.formats.generics().items()
+        other = [(name, value) for name, value in wanted if value != self.identity[name]]
+        if other:
+            names = ", ".join(f"{name}={value} (the board: {self.identity[name]})" for name, value in other)
             raise QuadshadeError(f"the file is for a board with {names}", "pack it again for this board")
         if (frame.width, frame.height) != (self.width, self.height):
             raise QuadshadeError(
@@ -370,9 +366,10 @@ class Board(BoardReader):
         for address, words in frame.state:
             self._write({address + index: int(word) for index, word in enumerate(words)})
         self.send(frame.words, frame.triangles)
-        wanted = {"colour": frame.crc} | ({"depth": frame.depth_crc} if self.formats.with_depth else {})
-        for plane, crc in wanted.items():
-            if verify and self.verify(plane) != crc:
+        crcs = {"colour": frame.crc} | ({"depth": frame.depth_crc} if self.formats.with_depth else {})
+        for plane, crc in crcs.items() if verify else ():
+            # The file's colours have eight bits; those of fewer are compared with the golden model alone.
+            if self.verify(plane) != crc and (plane != "colour" or self.colour_bits == 8):
                 raise QuadshadeError(
                     f"the file's CRC of the {plane} is not that of its words", "pack the picture again"
                 )

@@ -85,6 +85,8 @@ class ModelEngine(Engine):
             bool(settings.with_edge_map),
             bool(settings.with_video),
             settings.most_counter_bits,
+            settings.buffers,
+            settings.colour_bits,
         )
         self._baud = settings.baud
         self._answers = bytearray()

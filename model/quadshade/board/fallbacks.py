@@ -10,8 +10,9 @@ from operator import index
 import numpy as np
 
 from quadshade.contract.formats import LINEAR, ORDER_NAMES, QUADRATIC, Formats
-from quadshade.contract.triangles import ScreenTriangles
+from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.errors import QuadshadeError
+from quadshade.image.visible import visible
 from quadshade.shading.sample import widened
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -155,3 +156,36 @@ def painters_order(triangles: ScreenTriangles) -> ScreenTriangles:
         orders=triangles.orders[order],
         depth=triangles.depth[order],
     )
+
+
+def painters_formats(formats: Formats) -> Formats:
+    """Formats of a model that draws depth too, beside the channels of a board that has none."""
+    widest = replace(host_formats(formats), num_channels=formats.num_channels)
+    return replace(widest, max_order=max(formats.max_order, LINEAR))
+
+
+def painters_notice(drawn: Sequence[Pixels], width: int, height: int) -> str:
+    """
+    Say how many pixels of a picture in painter's order are not those that a z-buffer would show.
+
+    Parameters
+    ----------
+    drawn : sequence of Pixels
+      With depth, in the order of drawing.
+    width, height : int
+      Of the screen.
+
+    Returns
+    -------
+    str
+    """
+    names = ("triangle", "x", "y", "value", "depth")
+    columns = (np.concatenate([getattr(one, name) for one in drawn]) for name in names)
+    pixels = Pixels(*columns)
+    nearest = visible(pixels, width, height)
+    last = visible(replace(pixels, depth=None), width, height)
+    shown = nearest >= 0
+    differ = (pixels.value[nearest[shown]] != pixels.value[last[shown]]).any(axis=1)
+    count = int(np.count_nonzero(differ))
+    text = f"{count} of {int(shown.sum())} pixels differ from the z-buffer's picture"
+    return f"drawn in painter's order, as the board has no depth: {text}"

@@ -9,11 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from quadshade.board.fallbacks import COLOURS
+from quadshade.board.fallbacks import COLOURS, clear_word
 from quadshade.choices import parse_verify
-from quadshade.contract.protocol import PLANES, plane_bytes
+from quadshade.contract.formats import Formats
+from quadshade.contract.identity import colour_bits, plane_bytes
+from quadshade.contract.protocol import PLANES
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import DrawnScreen
+from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours
 from quadshade.link.planes import read_area, read_picture
 from quadshade.link.session import Session
 
@@ -23,9 +26,11 @@ class BoardReader:
 
     session: Session
     identity: dict[str, int]
+    formats: Formats
     width: int
     height: int
     _expected: DrawnScreen
+    _is_shown: bool
     _ask: Callable[[Callable[[], Any]], Any]
     _report: Callable[[str, float, float], None]
 
@@ -37,6 +42,25 @@ class BoardReader:
             raise QuadshadeError(
                 f"the picture has {width}x{height} pixels, the board's screen {self.width}x{self.height}",
                 "draw a smaller one",
+            )
+
+    @property
+    def colour_bits(self) -> int:
+        """Bits that the board keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4."""
+        return colour_bits(self.identity)
+
+    def nearest_colour(self, colour: tuple[int, int, int]) -> np.ndarray:
+        """(3,) int: what is read of the pixels that a clear to a colour has filled."""
+        channels = clear_word(colour, self.formats).to_bytes(4, "little")[: self.formats.emitted_channels]
+        kept = kept_colours(np.array([[list(channels)]]), HALF_STEP, self.colour_bits)
+        return self.as_rgb(kept)[0, 0]
+
+    def _check_drawn(self) -> None:
+        """What is drawn and read must be the picture that was begun with the last clear."""
+        if self._is_shown:
+            raise QuadshadeError(
+                "the picture is shown by now, and the board draws and reads its other buffer",
+                "read it before show(), or begin another one with clear()",
             )
 
     def read_plane(
@@ -69,6 +93,7 @@ class BoardReader:
         QuadshadeError
           The board has no such plane, or what it shows is not what the golden model predicts.
         """
+        self._check_drawn()
         number = self._plane(plane)
         width = self.width if width is None else width
         height = self.height if height is None else height
@@ -147,6 +172,7 @@ class BoardReader:
         QuadshadeError
           It is not. The plane is fetched then, to say where it differs.
         """
+        self._check_drawn()
         number = self._plane(plane)
         crc = self._ask(lambda: self.session.frame_crc(number))
         if crc != zlib.crc32(self._expected.plane(number).tobytes()):

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 
 from quadshade.contract.formats import Formats
-from quadshade.contract.protocol import MAX_PAYLOAD
+from quadshade.contract.protocol import COLOUR_BITS, MAX_PAYLOAD
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.scan_out import Timing
@@ -19,6 +19,8 @@ ALLOWED: dict[str, Collection[int]] = {
     "with_edge_map": (0, 1),
     "single_port_memory": (0, 1),
     "with_video": (0, 1),
+    "buffers": (1, 2),
+    "colour_bits": tuple(COLOUR_BITS),
     "single_buffer": (0, 1),
     "most_counter_bits": range(1, 33),
     "crc_cycles": (1, 2, 4, 8),
@@ -53,6 +55,10 @@ class BoardSettings:
       Of the command FIFO: a power of two from 256, which hold the longest frame, to 32768.
     with_edge_map, single_port_memory, with_video, single_buffer : int
       0 or 1. ``with_video`` makes words for a monitor, which a simulated board shows to nobody.
+    buffers : int
+      2: one is shown while the other is drawn, until a swap.
+    colour_bits : int
+      Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
     most_counter_bits : int
       STATUS's counters wrap at that many bits, 1 to 32.
     crc_cycles : int
@@ -73,6 +79,8 @@ class BoardSettings:
     with_edge_map: int = 0
     single_port_memory: int = 0
     with_video: int = 0
+    buffers: int = 1
+    colour_bits: int = 8
     most_counter_bits: int = 32
     single_buffer: int = 0
     crc_cycles: int = 1
@@ -126,6 +134,8 @@ class BoardSettings:
             raise QuadshadeError(
                 "single_port_memory=1 with a depth or a monitor", "give with_depth=0 and with_video=0"
             )
+        if self.single_port_memory and self.buffers == 2:
+            raise QuadshadeError("single_port_memory=1 with two buffers", "give buffers=1")
 
     def _check_video(self) -> None:
         """What ``scan_out`` asserts: whole squares fill the monitor."""

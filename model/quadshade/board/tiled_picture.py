@@ -198,6 +198,7 @@ class TiledPicture:
         for plane in planes:
             read = board.read_plane(plane, x + tile.width, y + tile.height, verify)[y:, x:]
             found[plane] = read[..., : len(self.empty(plane))]
+        board.show()
         return found
 
     def ground(self, planes: Sequence[str]) -> Planes:

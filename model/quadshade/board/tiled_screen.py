@@ -66,6 +66,8 @@ class TiledScreen:
       A picture that no core can address.
     """
 
+    colour_bits = 8
+
     def __init__(
         self,
         pool: BoardPool,
@@ -76,6 +78,10 @@ class TiledScreen:
         store: TileStore | None = None,
         formats: Formats | None = None,
     ) -> None:
+        if any(board.colour_bits < self.colour_bits for board in pool.boards):
+            raise QuadshadeError(
+                "a board that keeps less than 8 bits of a colour draws no tiles", "draw a picture of its size"
+            )
         self.pool, self.width, self.height = pool, width, height
         self._notice, self._progress, self._store = notice, progress, store
         self.formats = self._common(width, height) if formats is None else self._given(formats)
@@ -140,6 +146,13 @@ class TiledScreen:
         """Begin a picture: as :meth:`quadshade.Board.clear`."""
         self._picture.clear(colour)
         self._shown: Planes = {}
+
+    def nearest_colour(self, colour: tuple[int, int, int]) -> np.ndarray:
+        """(3,) int: as :meth:`quadshade.Board.nearest_colour`, of boards that keep every bit."""
+        return np.array(colour)
+
+    def show(self) -> None:
+        """Nothing: each board has shown its tiles, one after the other."""
 
     def draw(
         self,

@@ -75,6 +75,7 @@ class Opcode(IntEnum):
     TRIANGLES = 0x12
     READ = 0x13
     FRAME_CRC = 0x14
+    SWAP = 0x15
     ACK = 0x80
     HELLO_ANSWER = 0x81
     STATUS_ANSWER = 0x82
@@ -117,14 +118,20 @@ LINK_STATE = (
 )
 """First word of every answer: the acknowledgement and the credits."""
 
-FEATURES = ("depth_test", "shade", "edge_map", "display")
+FEATURES = ("depth_test", "shade", "edge_map", "display", "two_buffers", "colours_656", "colours_444")
 """Bits of HELLO's ``features``, the lowest first."""
+
+OPTIONAL = {Opcode.SWAP: "two_buffers"}
+"""Requests that only boards with a feature know; the others refuse them as unknown."""
+
+COLOUR_BITS = {8: "", 6: "colours_656", 4: "colours_444"}
+"""Bits that a board may keep of a colour, and the feature that says so; 6 are 5 of channel 1."""
 
 BOARD_FIELDS = (
     ("clk_frequency_hz", 4, "system clock"),
     ("default_phase_step", 4, "phase step after power-up and after a break"),
     ("fifo_words", 2, "words of the command FIFO"),
-    ("features", 2, "bits: depth_test, shade, edge_map, display"),
+    ("features", 2, f"bits: {', '.join(FEATURES)}"),
     ("screen_width", 2, "pixels"),
     ("screen_height", 2, "pixels"),
     ("colour_bytes", 1, "bytes of a pixel in plane 0"),
@@ -225,6 +232,7 @@ PAYLOADS = {
         )
     ),
     Opcode.FRAME_CRC: Payload((("reserved", 2, "0"), ("plane", 2, PLANE_HELP))),
+    Opcode.SWAP: Payload(),
     Opcode.ACK: Payload(LINK_STATE),
     Opcode.NAK: Payload(LINK_STATE),
     Opcode.RESET_ANSWER: Payload(LINK_STATE),
@@ -367,12 +375,6 @@ def phase_step(baud: int, clk_frequency_hz: int) -> int:
     if step == 0:
         raise LinkError(f"{baud} baud is too slow at {clk_frequency_hz} Hz", "give a higher rate")
     return step
-
-
-def plane_bytes(identity: Mapping[str, int]) -> tuple[int, ...]:
-    """Bytes of a pixel in every plane of a board, by HELLO's fields; 0 where there is no such plane."""
-    edges = EDGE_BYTES * (identity["features"] >> FEATURES.index("edge_map") & 1)
-    return identity["colour_bytes"], identity["depth_bytes"], edges, edges
 
 
 def fifo_words(payload_bytes: int) -> int:

@@ -15,6 +15,9 @@ RELEASES = {
 }
 """Version of each release, oldest first, and its :func:`quadshade.contract.protocol.definition_hash`."""
 
+UNRELEASED: int | None = 0xF6B9D85E
+"""The definition of this checkout, where it is no more that of the last release."""
+
 
 def release_of(definition: int) -> str:
     """

@@ -6,7 +6,15 @@ from __future__ import annotations
 import numpy as np
 
 from quadshade.contract.formats import Formats
-from quadshade.contract.protocol import COUNTERS, FEATURES, MAGIC, VERSION, definition_hash, phase_step
+from quadshade.contract.protocol import (
+    COLOUR_BITS,
+    COUNTERS,
+    FEATURES,
+    MAGIC,
+    VERSION,
+    definition_hash,
+    phase_step,
+)
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.golden.link.command_decoder import CommandDecoder
 from quadshade.golden.link.word_unpacker import WordUnpacker
@@ -23,6 +31,7 @@ class DrawnScreen(Screen):
     width, height : int
     formats : Formats
     with_edge_map : bool
+    colour_bits : int
 
     Attributes
     ----------
@@ -32,7 +41,9 @@ class DrawnScreen(Screen):
       What STATE wrote, by address.
     """
 
-    def __init__(self, width: int, height: int, formats: Formats, with_edge_map: bool = False) -> None:
+    def __init__(
+        self, width: int, height: int, formats: Formats, with_edge_map: bool = False, colour_bits: int = 8
+    ) -> None:
         self.formats = formats
         self.words: list[int] = []
         self.unpacker = WordUnpacker(formats)
@@ -40,7 +51,7 @@ class DrawnScreen(Screen):
         if formats.with_shade:
             self.registers = dict(colour_state(formats).writes().tolist())
         depth_bits = formats.depth_bits if formats.with_depth else None
-        super().__init__(width, height, formats.emitted_channels, depth_bits, with_edge_map)
+        super().__init__(width, height, formats.emitted_channels, depth_bits, with_edge_map, colour_bits)
 
     def triangles(self, words: list[int]) -> None:
         """Packed words, in order; a packet may go on in the next call."""
@@ -61,6 +72,11 @@ class DrawnScreen(Screen):
         """Fill the screen, empty the depth."""
         self.unpacked()
         super().clear(colour)
+
+    def swap(self) -> None:
+        """Show what was sent so far, draw the other buffer."""
+        self.draw_words()
+        super().swap()
 
     def unpacked(self) -> np.ndarray:
         """(m,) uint32: set-up words of the words that wait, which are then gone."""
@@ -105,6 +121,10 @@ class BoardModel(CommandDecoder):
       Whether it has words for a monitor: HELLO says so, nothing else is other.
     most_counter_bits : int
       STATUS's counters have no more bits.
+    buffers : int
+      2: one is drawn while the other is shown; SWAP swaps them.
+    colour_bits : int
+      Bits that the picture keeps of a colour: 8, 6 or 4.
     """
 
     def __init__(
@@ -118,14 +138,18 @@ class BoardModel(CommandDecoder):
         with_edge_map: bool = False,
         with_video: bool = False,
         most_counter_bits: int = 32,
+        buffers: int = 1,
+        colour_bits: int = 8,
     ) -> None:
         formats = formats or Formats()
-        screen = DrawnScreen(width, height, formats, with_edge_map)
+        screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits)
         has = {
             "depth_test": formats.with_depth,
             "shade": formats.with_shade,
             "edge_map": with_edge_map,
             "display": with_video,
+            "two_buffers": buffers == 2,
+            COLOUR_BITS[colour_bits]: True,
         }
         identity = {
             "magic": MAGIC,

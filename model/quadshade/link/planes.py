@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.contract.protocol import MAX_READ, PLANES, LinkError, Opcode, plane_bytes
+from quadshade.contract.identity import plane_bytes
+from quadshade.contract.protocol import MAX_READ, PLANES, LinkError, Opcode
 from quadshade.link.session import Session
 
 READS = 16

@@ -285,6 +285,11 @@ class Session(Exchange):
         """Fill the screen with a colour, the first channel in the lowest byte, and empty the depth."""
         self._send(Opcode.CLEAR, pack_payload(Opcode.CLEAR, {"colour": colour}))
 
+    def swap(self) -> None:
+        """Show what was drawn, and draw the other of two buffers; returns once that is accepted."""
+        self._send(Opcode.SWAP, pack_payload(Opcode.SWAP))
+        self.flush()
+
     def state(self, address: int, words: Sequence[int] | np.ndarray) -> None:
         """Words of the shading state, from an address on."""
         data = np.ascontiguousarray(words, dtype="<u4").tobytes()

@@ -120,7 +120,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
             frame = board.read(width, height, port.verify)
             frames.append(style_on_board(settings, frame, placed, board, reports))
         picture = mean(frames)
-        if len(triangles) and (picture == np.array(scene.ground)).all():
+        if len(triangles) and (picture == board.nearest_colour(scene.ground)).all():
             reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
         stats = Stats(
             generics=board.formats.generics(),
@@ -140,6 +140,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         + (f", in {board.tiles} tiles" if isinstance(board, TiledScreen) else "")
         + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
+        + _colours_note(board)
         + _packing_note(pack_error)
         + note
     )
@@ -156,6 +157,11 @@ def pack_error_for(port: PortChoice, board: Board | TiledScreen) -> float:
 def _needs_depth(settings: RenderSettings, board: Board | TiledScreen) -> bool:
     """Whether a style looks at where something was drawn, and the board can say it by its depth."""
     return settings.style.style in ("hatch", "cartoon") and bool(board.formats.with_depth)
+
+
+def _colours_note(board: Board | TiledScreen) -> str:
+    """What a board keeps of a colour, if that is less than a byte."""
+    return "" if board.colour_bits == 8 else f", {board.colour_bits} bits a colour, dithered"
 
 
 def _packing_note(pack_error: float) -> str:
@@ -213,7 +219,7 @@ def style_on_board(
     reports: Reports,
 ) -> np.ndarray:
     """
-    What a style makes of a picture that a board has drawn; its edges are drawn by the same board.
+    Show a picture that a board has drawn, and make of it what a style says; the same board draws its edges.
 
     Parameters
     ----------
@@ -233,8 +239,9 @@ def style_on_board(
         if board.formats.with_depth:
             drawn = board.read_depth(width, height, verify) < (1 << board.formats.depth_bits) - 1
         else:
-            drawn = (picture != np.array(scene.ground)).any(axis=2)
+            drawn = (picture != board.nearest_colour(scene.ground)).any(axis=2)
         picture = draw_tones(choice.style, picture, drawn, scene.ground)
+    board.show()
     if not choice.kinds:
         return picture
     edges = _edges(settings, scene, board, reports)
@@ -250,8 +257,11 @@ def _edges(
     projected, formats = scene.projected, board.formats
     try:
         check_gbuffer(formats, order)
-    except QuadshadeError as reason:
-        reports.notice(f"edges drawn by the host, as the board can draw no G-buffer: {reason.message}")
+        reason = "" if board.colour_bits == 8 else f"the board keeps {board.colour_bits} bits of a colour"
+    except QuadshadeError as error:
+        reason = f"the board can draw no G-buffer: {error.message}"
+    if reason:
+        reports.notice(f"edges drawn by the host, as {reason}")
         return find_edges(draw_gbuffer(projected, Formats(), "model", order, space)[0], variant)
     placed, _ = with_view_depth(projected, formats)
     red, green, blue = background_normal(projected.axes, space).tolist()
@@ -346,4 +356,5 @@ def draw_triangles_on_board(
             planes["depth"] = board.as_depth(planes["depth"])
         if isinstance(board, TiledScreen):
             board.forget_tiles()
+        board.show()
         return BoardPlanes(planes, board.as_rgb(planes["colour"]), len(loaded), board.statistics)

@@ -74,6 +74,7 @@ def replay_on_board(
         if len(pool.boards) == 1 and size == (first.width, first.height):
             first.replay(frame, verify=parse_verify(port.verify) != VERIFIES[-1])
             picture = first.read(verify=port.verify) if read else None
+            first.show()
             return Replayed(picture, frame.triangles, first.statistics)
         store = None if port.tiles_folder is None else TileStore(port.tiles_folder)
         screen = TiledScreen(pool, *size, reports.notice, reports.progress, store, frame.formats)

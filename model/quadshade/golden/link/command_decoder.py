@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from quadshade.contract.identity import knows, plane_bytes
 from quadshade.contract.protocol import (
     ANSWER_BIT,
     COUNTERS,
@@ -19,7 +20,6 @@ from quadshade.contract.protocol import (
     WORD_BYTES,
     Opcode,
     Reason,
-    plane_bytes,
 )
 from quadshade.golden.link.answer_sender import answer_bytes
 from quadshade.golden.link.cobs_decoder import CobsDecoder
@@ -90,7 +90,8 @@ class CommandDecoder:
 
     def _begin(self) -> None:
         size = (self.identity["screen_width"], self.identity["screen_height"])
-        self.receiver = FrameReceiver(Reach(*size, plane_bytes(self.identity)))
+        swaps = knows(self.identity, Opcode.SWAP)
+        self.receiver = FrameReceiver(Reach(*size, plane_bytes(self.identity), swaps))
         self.fifo = FrameFifo(self.identity["fifo_words"])
         self.counts: Counter[str] = Counter()
         self._free_told = self.fifo.free

@@ -19,7 +19,10 @@ class Drawing(Protocol):
         """A word of the shading state."""
 
     def clear(self, colour: int) -> None:
-        """Fill the screen, empty the depth."""
+        """Fill the buffer that is drawn, empty the depth."""
+
+    def swap(self) -> None:
+        """Show the buffer that was drawn, draw the other."""
 
     def read(self, *, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bytes:
         """``count`` bytes of a plane, which are ``pixels`` pixels."""
@@ -79,6 +82,8 @@ def execute(command: Command, fifo: FrameFifo, drawing: Drawing) -> bytes | int 
             drawing.state((fields["address"] + offset) % (1 << 32), value)
     elif opcode is Opcode.CLEAR:
         drawing.clear(**fields)
+    elif opcode is Opcode.SWAP:
+        drawing.swap()
     elif opcode is Opcode.READ:
         return drawing.read(**fields)
     else:

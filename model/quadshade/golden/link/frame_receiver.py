@@ -48,7 +48,7 @@ class Verdict:
 @dataclass(frozen=True)
 class Reach:
     """
-    What READ and FRAME_CRC may name.
+    What READ and FRAME_CRC may name, and whether there is SWAP.
 
     Attributes
     ----------
@@ -56,11 +56,13 @@ class Reach:
       Of the screen.
     plane_bytes : tuple of int
       Of a pixel in every plane; 0 where there is no such plane.
+    with_swap : bool
     """
 
     width: int = 320
     height: int = 240
     plane_bytes: tuple[int, ...] = (3, 2, 0, 0)
+    with_swap: bool = False
 
     def holds(self, plane: int) -> bool:
         """Whether there is such a plane."""
@@ -135,7 +137,8 @@ class FrameReceiver:
         """What is wrong with a frame whose CRC is right."""
         if length != len(payload):
             return Reason.BAD_LENGTH
-        if code not in set(Opcode) or code & ANSWER_BIT:
+        missing = code == Opcode.SWAP and not self.reach.with_swap
+        if code not in set(Opcode) or code & ANSWER_BIT or missing:
             return Reason.UNKNOWN_OPCODE
         opcode = Opcode(code)
         if not is_length_of(opcode, length):

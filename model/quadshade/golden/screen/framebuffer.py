@@ -1,11 +1,68 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture memory (``rtl/screen/framebuffer.vhd``)."""
+"""The picture memory (``rtl/screen/framebuffer.vhd``): its buffers, and colours in fewer bits than a byte."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from quadshade.golden.screen.depth_test import empty_depths, kept_pixels
+
+BYTE_BITS = 8
+HALF_STEP = 8
+"""The threshold of a clear, which is one colour."""
+
+
+def channel_bits(channel: int, colour_bits: int) -> int:
+    """Bits that are kept of a channel: ``colour_bits``, but 5 of channel 1 where they are 6."""
+    return 5 if colour_bits == 6 and channel == 1 else colour_bits
+
+
+def thresholds(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """
+    Thresholds of ordered dithering at places: each of 0 to 15 once in a square of 4 by 4.
+
+    Parameters
+    ----------
+    x, y : (...) int
+
+    Returns
+    -------
+    (...) int
+
+    Notes
+    -----
+    The matrix of B. E. Bayer, *An optimum method for two-level rendition of continuous-tone pictures*.
+    """
+    across = x ^ y
+    return (across & 1) << 3 | (y & 1) << 2 | (across >> 1 & 1) << 1 | (y >> 1 & 1)
+
+
+def kept_colours(value: np.ndarray, threshold: np.ndarray | int, colour_bits: int) -> np.ndarray:
+    """
+    Colours as they are read again, of fewer bits than a byte.
+
+    Parameters
+    ----------
+    value : (..., c) int
+      0 .. 255.
+    threshold : (...) int or int
+      0 .. 15: :func:`thresholds` of the places, or ``HALF_STEP``.
+    colour_bits : int
+      8, 6 (of channel 1 five) or 4.
+
+    Returns
+    -------
+    (..., c) int
+      A colour that so many bits can show is as it was, whatever the threshold.
+    """
+    channels = []
+    for channel in range(value.shape[-1]):
+        bits, byte = channel_bits(channel, colour_bits), value[..., channel].astype(np.int64)
+        if bits < BYTE_BITS:
+            kept = byte - (byte >> bits) + (threshold >> (bits - 4)) >> (BYTE_BITS - bits)
+            byte = kept << (BYTE_BITS - bits) | kept >> (2 * bits - BYTE_BITS)
+        channels.append(byte)
+    return np.stack(channels, axis=-1)
 
 
 class Framebuffer:

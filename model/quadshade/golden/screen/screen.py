@@ -10,6 +10,7 @@ import numpy as np
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.depth_test import empty_depths, kept_pixels
 from quadshade.golden.screen.edge_map import DEPTH_BITS, DIAGONAL, EIGHT, edge_map
+from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours, thresholds
 from quadshade.golden.screen.plane_reader import COLOUR, DEPTH, EDGES_DIAGONAL
 
 EDGE_VARIANTS = (DIAGONAL, EIGHT)
@@ -50,10 +51,15 @@ class Screen:
     depth_bits : int or None
       None: there is no z-buffer, the last pixel of a place stays.
     with_edge_map : bool
+    colour_bits : int
+      Bits that are kept of a colour.
 
     Attributes
     ----------
     colour : (height, width, num_channels) uint8
+      What is drawn and read.
+    shown : (height, width, num_channels) uint8
+      What a monitor shows of two buffers.
     depth : (height, width) int64
       2**depth_bits where nothing was drawn.
 
@@ -70,11 +76,12 @@ class Screen:
         num_channels: int = 3,
         depth_bits: int | None = 16,
         with_edge_map: bool = False,
+        colour_bits: int = 8,
     ) -> None:
         if with_edge_map and (num_channels != 3 or depth_bits is None or depth_bits < DEPTH_BITS[0]):
             raise QuadshadeError("an edge map needs three channels and depth of at least 8 bits")
-        self.depth_bits, self.with_edge_map = depth_bits, with_edge_map
-        self.colour = np.zeros((height, width, num_channels), np.uint8)
+        self.depth_bits, self.with_edge_map, self.colour_bits = depth_bits, with_edge_map, colour_bits
+        self.colour, self.shown = np.zeros((2, height, width, num_channels), np.uint8)
         self.clear(0)
 
     @property
@@ -83,11 +90,17 @@ class Screen:
         return -(-(self.depth_bits or 0) // 8)
 
     def clear(self, colour: int) -> None:
-        """Fill the picture, empty the z-buffer."""
+        """Fill the picture that is drawn, empty the z-buffer."""
         height, width, channels = self.colour.shape
-        self.colour[:] = list(colour.to_bytes(4, "little")[:channels])
+        value = np.array(list(colour.to_bytes(4, "little")[:channels]))
+        self.colour[:] = kept_colours(value, HALF_STEP, self.colour_bits)
         self.depth = empty_depths(width, height, self.depth_bits or 0)
         self._edges: dict[int, np.ndarray] = {}
+
+    def swap(self) -> None:
+        """Show the picture that was drawn, and draw the one that was shown; the z-buffer stays."""
+        self.colour, self.shown = self.shown, self.colour
+        self._edges = {}
 
     def draw(self, x: np.ndarray, y: np.ndarray, value: np.ndarray, depth: np.ndarray | None) -> None:
         """
@@ -107,6 +120,7 @@ class Screen:
             raise QuadshadeError("pixels without depth for a screen with a z-buffer", "give their depth")
         else:
             kept = kept_pixels(x, y, depth, self.depth)
+        value = kept_colours(value, thresholds(x, y), self.colour_bits)
         for row, column, pixel in zip(y[kept].tolist(), x[kept].tolist(), value[kept].tolist(), strict=True):
             self.colour[row, column] = pixel
         self._edges = {}
