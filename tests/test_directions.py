@@ -18,7 +18,7 @@ LAYERS = (
     {"errors"},
     {"contract"},
     {"choices", "files"},
-    {"golden", "image", "link", "scene", "setup"},
+    {"cluster", "golden", "image", "link", "scene", "setup"},
     {"engine", "packing", "shading"},
     {"fit"},
     {"adapt", "style", "synthesis"},

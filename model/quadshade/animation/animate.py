@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from quadshade.animation.motion import Motion, Pose
 from quadshade.animation.posed import Stage
 from quadshade.animation.record import FrameRow, write_plot, write_table
 from quadshade.animation.store import FrameStore, animation_key
+from quadshade.board.worker_boards import Place, board_here, forget_board
 from quadshade.choices import PHONG, STYLES
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import check_writable
@@ -64,9 +65,9 @@ class Animation:
             raise QuadshadeError("--gbuffer is for one picture", "use `quadshade render`")
         if settings.engine.waves is not None:
             raise QuadshadeError("--waves is for one picture", "use `quadshade render`")
-        if settings.port.port is not None and jobs != 1:
+        if settings.port.is_given and jobs != 1:
             raise QuadshadeError("a board draws one frame after the other", "leave --jobs out")
-        if settings.engine.engine is None and settings.port.port is None:
+        if settings.engine.engine is None and not settings.port.is_given:
             # Many pictures: the engine that starts soonest; all of them draw the same.
             settings = replace(settings, engine=EngineChoice("model"))
         self.settings, self.motion, self._jobs = settings, motion, jobs
@@ -192,6 +193,8 @@ class Animation:
 
     def _run(self, frames: list[int]) -> Iterable[Drawn]:
         """Frames from a board, this process, or several."""
+        if self.settings.port.dask is not None:
+            return self._on_workers(frames)
         if self.settings.port.port is not None:
             return self._on_board(frames)
         if self._jobs == 1 or len(frames) < 2:
@@ -224,6 +227,60 @@ class Animation:
                 drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()))
                 sent = int(board.statistics["bytes_sent"] - before)
                 yield drawn._replace(row=replace(drawn.row, bytes=sent))
+
+    def _on_workers(self, frames: list[int]) -> Iterator[Drawn]:
+        """Frames drawn by the workers of a Dask scheduler, as they get ready."""
+        from quadshade.cluster import connect, stream
+        from quadshade.rendering.board import worker_place
+
+        if not frames:
+            return
+        port, notice = self.settings.port, self._reports.notice
+        place = worker_place(self.frame_settings(frames[0]))
+        draw = partial(draw_frame_there, self._stage, self.motion, self._measures, place)
+
+        def lose(worker: str, reason: str) -> None:
+            notice(f"the worker {worker} is lost: {reason}; its work goes to the others")
+
+        with connect(str(port.dask)) as client:
+            done = stream(client, draw, frames, "frames", lose, port.port is not None)
+            yield from (drawn for _, drawn in done)
+
+
+def draw_frame_there(stage: Stage, motion: Motion, measures: bool, place: Place, frame: int) -> Drawn:
+    """
+    Draw a frame on a Dask worker, with what it has.
+
+    Parameters
+    ----------
+    stage : Stage
+    motion : Motion
+    measures : bool
+      Whether to compare it with Phong shading.
+    place : Place
+      The worker's board, or an engine.
+    frame : int
+
+    Returns
+    -------
+    Drawn
+    """
+    settings, pose = stage.frame(frame), motion.pose(frame)
+    port = replace(settings.port, port=None, dask=None, baud=None, faults=None, timeout=None, pack_error=None)
+    if place.port is None:
+        engine = EngineChoice(place.engine or "model")
+        return draw_frame(frame, pose, replace(settings, port=port, engine=engine), measures)
+    board = board_here(place)
+    before = board.statistics["bytes_sent"]
+    opened = replace(settings.port, port=board, dask=None, baud=None, faults=None, timeout=None)
+    placed = replace(settings.of_scene(generics=()), port=opened, engine=EngineChoice())
+    try:
+        drawn = draw_frame(frame, pose, placed, measures)
+    except QuadshadeError:
+        forget_board(place)
+        raise
+    sent = int(board.statistics["bytes_sent"] - before)
+    return drawn._replace(row=replace(drawn.row, bytes=sent))
 
 
 def draw_frame(frame: int, pose: Pose, settings: RenderSettings, measures: bool) -> Drawn:

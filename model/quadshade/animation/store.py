@@ -28,6 +28,7 @@ def animation_key(settings: RenderSettings, mesh: Mesh, motion: Motion, errors: 
     """Hash of all that the frames depend on; a board's port and line are not among it."""
     scene = settings.of_scene(scene=mesh)
     parts = (scene.scene, scene.setup, scene.adapt, scene.style, settings.engine.engine)
+    # Workers' engines draw what an engine here does.
     board = (settings.port.port is not None, settings.port.added_error, settings.port.verify)
     digest = hashlib.sha256(json.dumps([motion.content(), errors, board, code_digest()]).encode())
     try:

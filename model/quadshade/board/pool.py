@@ -7,7 +7,7 @@ import heapq
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from quadshade.board.board import Board
 from quadshade.errors import QuadshadeError
@@ -110,15 +110,15 @@ class Work(NamedTuple, Generic[Job, Result]):
     Attributes
     ----------
     do : callable
-      A job on a board; raises :class:`QuadshadeError` where the board fails.
+      A job on a board; raises :class:`QuadshadeError` where the board fails. It can be pickled.
     split : callable
       The part of a job that a board can do at once, and what is left of it.
     what, hint : str
       What jobs are called, and what to do where some are missing.
     """
 
-    do: Callable[[Board, Job], Result]
-    split: Callable[[Board, Job], tuple[Job, list[Job]]]
+    do: Callable[[Any, Job], Result]
+    split: Callable[[Any, Job], tuple[Job, list[Job]]]
     what: str
     hint: str
 

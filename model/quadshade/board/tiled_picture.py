@@ -21,7 +21,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.screen import EDGE_VARIANTS, edge_plane
 from quadshade.packing.pack import pack_primitives
 from quadshade.setup.packet import Primitives
-from quadshade.setup.refit import refit
+from quadshade.setup.refit import refit, why_unfit
 from quadshade.setup.tile import Cuttable, Rectangle
 from quadshade.setup.triangle_setup import setup_triangles
 
@@ -187,6 +187,8 @@ class TiledPicture:
         QuadshadeError
           The board does not answer, or shows what it should not.
         """
+        if reason := why_unfit(self.formats, board.formats):
+            raise QuadshadeError(f"it is of another design: {reason}", "use another board")
         window = self.window(tile, (board.width, board.height), planes)
         board.clear(self.colour)
         for part in self.parts(window, board.formats):

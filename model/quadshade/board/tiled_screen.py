@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 import zlib
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from quadshade.board.pool import BoardPool, Work
 from quadshade.board.readback import BoardReader
 from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_picture import COLOUR, DEPTH, Planes, TiledPicture, margin_of, paste
+from quadshade.board.worker_boards import WorkerBoard, WorkerPool
 from quadshade.choices import MAX_ERROR, VERIFIES, parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
@@ -36,7 +38,7 @@ class TiledScreen:
 
     Parameters
     ----------
-    pool : BoardPool
+    pool : BoardPool or WorkerPool
       Boards that cannot draw together with the first one are lost.
     width, height : int
       Of the picture.
@@ -56,7 +58,7 @@ class TiledScreen:
     host_formats : Formats
       Those to shade for.
     width, height : int
-    pool : BoardPool
+    pool : BoardPool or WorkerPool
     tiles : int
       Drawn so far.
 
@@ -70,7 +72,7 @@ class TiledScreen:
 
     def __init__(
         self,
-        pool: BoardPool,
+        pool: BoardPool | WorkerPool,
         width: int,
         height: int,
         notice: Callable[[str], None],
@@ -93,8 +95,9 @@ class TiledScreen:
 
     def _common(self, width: int, height: int) -> Formats:
         """Formats that all boards draw; boards that do not go with those before them are lost."""
-        kept: list[Board] = []
-        for board in list(self.pool.boards):
+        kept: list[Any] = []
+        boards: list[Any] = [*self.pool.boards]
+        for board in boards:
             together = [one.formats for one in (*kept, board)]
             reasons = [why_unfit(picture_formats(together, width, height), one) for one in together]
             if any(reasons):
@@ -108,7 +111,8 @@ class TiledScreen:
 
     def _given(self, formats: Formats) -> Formats:
         """Formats that are given; boards that do not draw them are lost."""
-        for board in list(self.pool.boards):
+        boards: list[Any] = [*self.pool.boards]
+        for board in boards:
             if reason := why_unfit(formats, board.formats):
                 self.pool.lose(board, reason)
         if not self.pool.boards:
@@ -274,7 +278,7 @@ class TiledScreen:
         picture = self._picture
         made = picture.ground(planes)
         work: Work[Rectangle, Planes] = Work(
-            lambda board, tile: picture.draw_tile(board, tile, planes, verify),
+            partial(_draw_tile, picture, planes, verify),
             lambda board, tile: self._split(board, tile, planes),
             "tiles",
             "start it again with --resume: those that are done are kept" if self._store else "start it again",
@@ -305,14 +309,14 @@ class TiledScreen:
                 self._progress(TILES, len(plan) * done / total, len(plan), sent)
         return made
 
-    def _most(self, board: Board, planes: Sequence[str]) -> tuple[int, int]:
+    def _most(self, board: Board | WorkerBoard, planes: Sequence[str]) -> tuple[int, int]:
         """Largest tile that a board draws; a margin only where the picture goes on."""
         both = 2 * margin_of(planes)
         width, height = board.width, board.height
         return width - both * (self.width > width), height - both * (self.height > height)
 
     def _split(
-        self, board: Board, tile: Rectangle, planes: Sequence[str]
+        self, board: Board | WorkerBoard, tile: Rectangle, planes: Sequence[str]
     ) -> tuple[Rectangle, list[Rectangle]]:
         """The first part of a tile that fits a board's screen, and the others."""
         width, height = self._most(board, planes)
@@ -325,6 +329,13 @@ class TiledScreen:
             for i in range(across)
         ]
         return parts[0], parts[1:]
+
+
+def _draw_tile(
+    picture: TiledPicture, planes: Sequence[str], verify: bool | str, board: Board, tile: Rectangle
+) -> Planes:
+    """As :meth:`TiledPicture.draw_tile`, for a job that goes to other machines."""
+    return picture.draw_tile(board, tile, planes, verify)
 
 
 def _is_covered(tile: Rectangle, others: Sequence[Rectangle]) -> bool:

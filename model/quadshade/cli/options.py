@@ -130,6 +130,14 @@ def engine_option(
     )
 
 
+dask_option = option(
+    "Engine or board",
+    "--dask",
+    metavar="ADDRESS",
+    help="Let the workers of a Dask scheduler draw, e.g. tcp://host:8786; with --port sim or auto each on a "
+    "board of its own.",
+)
+
 supersample_option = option(
     "Output",
     "--supersample",

@@ -13,6 +13,7 @@ from quadshade.cli.options import (
     GENERICS_EPILOG,
     TitledCommand,
     add_options,
+    dask_option,
     engine_option,
     output_option,
     stats_option,
@@ -47,7 +48,7 @@ from quadshade.cli.terminal import reporting, say_statistics
     GBUFFER_OPTIONS,
     [engine_option()],
     port_options("Draw on a board and fetch the picture", several=True),
-    [resume_option],
+    [resume_option, dask_option],
     [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )
 def render(scene: str, output: Path, stats: Path | None, resume: bool, **options: Any) -> None:
@@ -80,7 +81,7 @@ def render(scene: str, output: Path, stats: Path | None, resume: bool, **options
     check_png(output)
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
-    if keywords["port"] is not None:
+    if keywords["port"] is not None or keywords["dask"] is not None:
         keywords["resume"] = tiles_folder(output, resume)
     with reporting() as reports:
         picture = render_scene(scene, **keywords, reports=reports)

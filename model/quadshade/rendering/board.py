@@ -13,7 +13,8 @@ import numpy as np
 from quadshade.board import Board, BoardSettings
 from quadshade.board.settings import board_settings
 from quadshade.board.tiled_screen import TiledScreen
-from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_pack_error, parse_verify
+from quadshade.board.worker_boards import ENGINE_SCREEN, Place
+from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error, parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -22,7 +23,7 @@ from quadshade.golden.screen.edge_map import edge_map
 from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.levels import best_level, level_note
-from quadshade.rendering.open_board import opened, screen_of, simulated_screen
+from quadshade.rendering.open_board import opened, screen_of, simulated_screen, workers_screen
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, board_count, shade_scene, show_scene
@@ -46,7 +47,7 @@ def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) 
         raise QuadshadeError("a board has no waves", "leave --port out, and use --engine ghdl")
     if port.is_open and engine.engine is not None:
         raise QuadshadeError("an engine is given, and the board is open", "leave the engine out")
-    if generics and not port.is_simulated:
+    if generics and port.port is not None and not port.is_simulated:
         raise QuadshadeError("--generic is given, and the board's generics are its own", "leave it out")
 
 
@@ -70,6 +71,11 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | Ti
     if isinstance(port.port, TiledScreen):
         yield port.port
         return
+    if port.dask is not None:
+        asked = choice.pixels if choice.size is not None or port.port is None else None
+        with workers_screen(port, worker_place(settings), asked, reports) as tiled:
+            yield tiled
+        return
     simulated = _simulated_settings(settings) if port.is_simulated else None
     with opened(port, simulated, settings.engine, reports) as pool:
         size = None if choice.size is None else choice.pixels
@@ -77,6 +83,18 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | Ti
         yield screen
         if isinstance(screen, TiledScreen):
             screen.forget_tiles()
+
+
+def worker_place(settings: RenderSettings) -> Place:
+    """What each worker of a Dask scheduler draws with: a board of its own, or an engine."""
+    port = settings.port
+    # Of a board that is there already, nothing here counts.
+    built = _simulated_settings(settings) if port.is_simulated or port.port is None else BoardSettings()
+    if port.port is None:
+        own = {"screen_width": ENGINE_SCREEN, "screen_height": ENGINE_SCREEN, "with_edge_map": 0}
+        built = built.with_generics(own)
+    faults = None if port.faults is None else parse_faults(port.faults)
+    return Place(port.port, built, settings.engine.engine, port.baud, faults, port.timeout)
 
 
 def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:

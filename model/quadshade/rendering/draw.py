@@ -56,7 +56,7 @@ def render_picture(settings: RenderSettings, reports: Reports | None = None) -> 
         tell(text)
 
     settings, reports = settings.styled(), replace(reports, notice=notice)
-    if settings.port.port is not None:
+    if settings.port.is_given:
         from quadshade.rendering.board import render_on_board
 
         picture = render_on_board(settings, reports)

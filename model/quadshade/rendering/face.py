@@ -68,6 +68,7 @@ def render(
     trace: Callable[[str], None] | None = None,
     pack_error: float | None = None,
     resume: str | Path | None = None,
+    dask: str | None = None,
     reports: Reports | None = None,
 ) -> Picture:
     """
@@ -159,6 +160,9 @@ def render(
       Grey levels that words with fewer fraction bits may add on the way to a board; 1/32, or 0 in tiles.
     resume : str or Path, optional
       Folder that keeps tiles until the picture is whole. Those that are there already are not drawn again.
+    dask : str, optional
+      Address of a Dask scheduler, whose workers draw tiles with the golden model or ``engine``; with ``port``
+      each on a board of its own, ``"sim"`` or ``"auto"``.
     reports : Reports, optional
       Whom to tell what is being done, and what is not as asked; by default that becomes a warning.
 

@@ -319,6 +319,7 @@ class PortChoice:
     pack_error: float | None = None
     verify: bool | str = True
     resume: str | Path | None = None
+    dask: str | None = None
 
     def __post_init__(self) -> None:
         if self.port is None:
@@ -327,6 +328,11 @@ class PortChoice:
                     raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
             if parse_verify(self.verify) == "crc":
                 raise QuadshadeError("--verify crc is for a board", "give --port as well")
+        if self.dask is not None and (self.trace or self.is_open or len(self.ports) > 1):
+            raise QuadshadeError(
+                "boards of Dask workers are not open here, and each worker has one of its own",
+                "give --dask with one --port, as the workers understand it, and no --trace",
+            )
         if self.is_open and (self.baud or self.faults or self.timeout or self.trace):
             raise QuadshadeError(
                 "the board is open, with its baud, faults, timeout and trace", "leave them out"
@@ -343,6 +349,11 @@ class PortChoice:
         return parse_ports(self.port)
 
     @property
+    def is_given(self) -> bool:
+        """Whether boards draw, or workers, not an engine here."""
+        return self.port is not None or self.dask is not None
+
+    @property
     def tiles_folder(self) -> Path | None:
         """Where tiles are kept until a picture is whole."""
         return None if self.resume is None else Path(self.resume)
@@ -355,6 +366,8 @@ class PortChoice:
     @property
     def name(self) -> str:
         """What the port is called in reports."""
+        if self.dask is not None:
+            return self.dask
         if isinstance(self.port, str):
             return self.port
         if isinstance(self.port, Sequence):

@@ -120,6 +120,7 @@ KINDS = (
     | dict.fromkeys(("gbuffer", "waves", "resume"), FILE)
     | {
         "engine": WORD,
+        "dask": WORD,
         "trace": CALLABLE,
         "size": Kind(_is_size, "a text as 640x480, or two whole numbers"),
         "camera": Kind(_is_camera, "a text as of --camera, or a Camera"),

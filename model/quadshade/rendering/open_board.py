@@ -12,7 +12,9 @@ from quadshade.board.engines import board_engine
 from quadshade.board.pool import BoardPool
 from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_screen import TiledScreen
+from quadshade.board.worker_boards import Place, WorkerPool
 from quadshade.choices import parse_faults
+from quadshade.cluster import connect
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import PortError
 from quadshade.errors import QuadshadeError
@@ -105,6 +107,38 @@ def _open(
         notice=reports.notice,
         progress=reports.progress if alone else None,
     )
+
+
+@contextmanager
+def workers_screen(
+    port: PortChoice, place: Place, size: tuple[int, int] | None, reports: Reports
+) -> Iterator[TiledScreen]:
+    """
+    A screen whose tiles the workers of a Dask scheduler draw.
+
+    Parameters
+    ----------
+    port : PortChoice
+      With the scheduler's address.
+    place : Place
+      What workers draw with.
+    size : tuple of int or None
+      Of the picture; None: of a board's screen.
+    reports : Reports
+
+    Raises
+    ------
+    QuadshadeError
+      No scheduler, no workers, workers of another version, or none with a board.
+    """
+    reports.step(f"asking the Dask scheduler at {port.dask}")
+    with connect(str(port.dask)) as client:
+        pool = WorkerPool(client, place, reports.notice)
+        width, height = size or (pool.boards[0].width, pool.boards[0].height)
+        store = None if port.tiles_folder is None else TileStore(port.tiles_folder)
+        screen = TiledScreen(pool, width, height, reports.notice, reports.progress, store)
+        yield screen
+        screen.forget_tiles()
 
 
 def screen_of(

@@ -153,7 +153,7 @@ class RenderSettings:
             raise QuadshadeError("--lod auto without a budget", "give --budget, or a number of triangles")
         if self.adapt.is_adaptive:
             self._check_adaptive()
-        if self.style.needs_gbuffer and self.port.port is None:
+        if self.style.needs_gbuffer and not self.port.is_given:
             check_gbuffer(self.gbuffer_formats(), self.style.gbuffer_order)
         return formats
 

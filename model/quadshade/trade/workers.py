@@ -9,9 +9,8 @@ from typing import Any
 
 import joblib
 
-from quadshade.errors import QuadshadeError
+from quadshade.cluster import connect
 
-CONNECT_SECONDS = 10
 Results = Iterator[Any]
 
 
@@ -31,28 +30,10 @@ def workers(jobs: int, dask: str | None) -> Iterator[Callable[[Iterable[Any]], R
     Raises
     ------
     QuadshadeError
-      Dask is not installed, or no scheduler answers at the address.
+      As :func:`quadshade.cluster.connect`.
     """
     if dask is None:
         yield joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", max_nbytes=None)
         return
-    with _client(dask), joblib.parallel_config(backend="dask"):
+    with connect(dask), joblib.parallel_config(backend="dask"):
         yield joblib.Parallel(return_as="generator_unordered")
-
-
-def _client(address: str) -> Any:
-    """A connection to a scheduler that has workers."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise QuadshadeError("Dask is not installed", "run `pip install quadshade[dask]`") from None
-    hint = "start one by `dask scheduler`, and workers by `dask worker ADDRESS`"
-    try:
-        client = Client(address, timeout=CONNECT_SECONDS)
-    except (OSError, ValueError, TimeoutError, MemoryError):
-        # The first bytes of what is no scheduler are taken for a length.
-        raise QuadshadeError(f"no Dask scheduler answers at {address}", hint) from None
-    if not client.scheduler_info()["workers"]:
-        client.close()
-        raise QuadshadeError(f"the Dask scheduler at {address} has no workers", hint)
-    return client
