@@ -320,7 +320,7 @@ def test_refused(settings: dict, message: str) -> None:
 def test_a_fit_that_does_not_end_says_so_and_is_no_worse(monkeypatch: pytest.MonkeyPatch) -> None:
     projected, six = seen()
     monkeypatch.setattr(solve, "MOST_STEPS", 3)
-    fitted = fit_scene(projected, six, "smooth", material=SHARP)
+    fitted = fit_scene(projected, six, "least-squares", material=SHARP)
     assert len(fitted.notes) == 1 and "is drawn, not the best of all" in fitted.notes[0]
     assert (errors(projected, fitted.triangles) ** 2).mean() < (errors(projected, six) ** 2).mean()
 

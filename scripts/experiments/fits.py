@@ -47,7 +47,7 @@ SCENES = {
 }
 """Cameras; what has an ending is in ``examples``."""
 EXPONENTS = (5.0, 50.0)
-SMOOTHNESSES = (30.0, 300.0, 3e3, 3e4, 3e5)
+SMOOTHNESSES = (30.0, 300.0, 3e3, 3e4, 3e5, 1e6, 1e9)
 JUMPS = (0.0, JUMP, 0.3)
 LARGE = "sphere:317x317"
 REPEATS = 3
@@ -184,8 +184,9 @@ def report(results: dict) -> str:
     shading of the same mesh, over every pixel drawn. *Jump* is that of red's derivative across shared
     edges, in grey levels per pixel, in float, of edges whose normals lie within 60 degrees of the viewer;
     *triangles* and *words* are those that are sent. Behind a fit's name stand where its error is taken, its
-    smoothness (pixels) or its jump (grey levels per pixel); [fit](../explanation/fit.md) explains them. With
-    the largest smoothness the solver's steps may end before the best is found (`pawn.obj`): a notice says so.
+    smoothness (pixels) or its jump (grey levels per pixel); [fit](../explanation/fit.md) explains them. The
+    largest smoothness is the bound: hardly a jump is left, and what remains of the picture is nearly one
+    quadratic; where that leaves the range it is cut, and jumps there.
     """
     power = """
     The same with `--shading quadratic-specular`: cosines are interpolated, the power is taken at the pixel.

@@ -18,16 +18,13 @@ from quadshade.fit.cosines import fit_cosines
 from quadshade.fit.elements import shared_elements
 from quadshade.fit.jumps import jump_penalty
 from quadshade.fit.places import Places, held_beyond, places_of, without_wrong
-from quadshade.fit.solve import MOST_STEPS, TOLERANCE
+from quadshade.fit.solve import MOST_STEPS
 from quadshade.fit.weighting import Weighted, lower_peaks, smallest_peak
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.reference import phong_at
 from quadshade.shading.sample import CHANNELS, sample
-
-EXACTLY = 1e-6
-"""Tolerance with a weight on jumps: what changes slowly is seen late."""
 
 
 class _UnshadedError(Exception):
@@ -167,13 +164,12 @@ def fit_scene(
         return Fitted(triangles, projected, whole, (f"fit: drawn through six points: {reason}",))
     beyond = held_beyond(projected, formats) if places == "pixels" else np.zeros(len(projected))
     system = Weighted(elements, here, colour, beyond, 0, largest)
-    penalty = None
     if fit == "smooth":
-        penalty = smoothness * jump_penalty(elements, projected.vertices, formats)
-    solution = system.solve(here.area, penalty, tolerance=TOLERANCE if penalty is None else EXACTLY)
-    values = solution.values
-    if fit != "smooth":
-        values = {"minimax": smallest_peak, "least-squares": lower_peaks}[fit](system, values)
+        solution = system.solve_smooth(smoothness * jump_penalty(elements, projected.vertices, formats))
+        values = solution.values
+    else:
+        solution = system.solve(here.area)
+        values = {"minimax": smallest_peak, "least-squares": lower_peaks}[fit](system, solution.values)
     samples = triangles.samples.copy()
     samples[:, :3] = elements.samples(values)
     notes = _notes(wrong[0], solution.ended)

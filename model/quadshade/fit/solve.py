@@ -2,9 +2,9 @@
 """
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
-The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle, and what is
-added to it as a sparse matrix. The steps begin at the six points and are scaled by the diagonal. Over a
-triangle's area such a matrix is well conditioned whatever the mesh: some ten steps do.
+The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle. The steps
+begin at the six points and are scaled by the diagonal. Over a triangle's area such a matrix is well
+conditioned whatever the mesh: some ten steps do. With a weight on jumps it is not, and is factorised.
 """
 
 from __future__ import annotations
@@ -125,12 +125,11 @@ def least_squares(
     normal: Normal,
     lowest: float,
     largest: float,
-    penalty: sparse.csr_array | None = None,
     begin: Floats | None = None,
     tolerance: float = TOLERANCE,
 ) -> Solution:
     """
-    Solve for the unknowns.
+    Solve for the unknowns, by steps.
 
     Parameters
     ----------
@@ -139,8 +138,6 @@ def least_squares(
     lowest, largest : float
       No value is outside. A clamped solution would be no least one: its neighbours have counted on the value
       that it lost. So what leaves the range is held at its border, and the others are solved for again.
-    penalty : (m, m) sparse, optional
-      A quadratic form of the unknowns that is to be small as well.
     begin : (m, c) float64, optional
       Where the steps begin; by default the six points.
     tolerance : float
@@ -151,14 +148,10 @@ def least_squares(
     Solution
     """
     start, index = elements.start, elements.index
-    right = HOLD * start
-    _scatter(index, normal.right, right)
     diagonal = np.full(len(start), HOLD)
     _scatter(index, np.ascontiguousarray(np.einsum("nii->ni", normal.block))[:, :, None], diagonal[:, None])
-    if penalty is not None:
-        diagonal += penalty.diagonal()
-    system = _system(normal.block, index, penalty, HOLD)
-    goal = np.ascontiguousarray(right.T)
+    system = _system(normal.block, index, None, HOLD)
+    goal = np.ascontiguousarray(_right_side(elements, normal).T)
     values = np.ascontiguousarray(np.clip(start if begin is None else begin, lowest, largest).T)
     free, ended = np.ones(values.shape, dtype=bool), True
     for _ in range(ROUNDS):
@@ -171,6 +164,32 @@ def least_squares(
         free &= ~outside
     # Numbers that are none leave the six points.
     return Solution(np.where(np.isfinite(values.T), values.T, start), ended)
+
+
+def smooth_squares(
+    elements: Elements, normal: Normal, lowest: float, largest: float, penalty: sparse.csr_array
+) -> Solution:
+    """
+    Solve for the unknowns with a penalty (m, m), a quadratic form of them that is to be small as well.
+
+    The other arguments are those of :func:`least_squares`, whose range is kept in the same way.
+    """
+    start, index = elements.start, elements.index
+    rows, columns = np.broadcast_arrays(index[:, :, None], index[:, None, :])
+    entries = normal.block.reshape(-1), (rows.reshape(-1), columns.reshape(-1))
+    squares = sparse.coo_array(entries, shape=penalty.shape).tocsr()
+    matrix = sparse.csr_array(squares + penalty + HOLD * sparse.eye_array(len(start)))
+    right = _right_side(elements, normal)
+    found = solved_directly(matrix, right, start)
+    values = np.where(np.isfinite(found.values), found.values, start)
+    return Solution(np.clip(values, lowest, largest), found.ended)
+
+
+def _right_side(elements: Elements, normal: Normal) -> Floats:
+    """(m, c) of the normal equations, neighbours' shares added up."""
+    right = HOLD * elements.start
+    _scatter(elements.index, normal.right, right)
+    return right
 
 
 def solved_directly(matrix: sparse.csr_array, right: Floats, begin: Floats) -> Solution:
@@ -276,7 +295,7 @@ def _times(system: System, vectors: Floats, out: Floats) -> None:
                 o[own[row]] += total
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract", "reassoc"})
 def _steps(
     system: System,
     diagonal: Floats,
@@ -289,42 +308,48 @@ def _steps(
     """
     Conjugate gradients for channels (c, m), in place; what is not free stays. Whether they came to an end.
 
-    Hestenes and Stiefel (1952), scaled by the diagonal.
+    Hestenes and Stiefel (1952), scaled by the diagonal. Sums are taken in the loops that need their terms
+    anyway: a BLAS product of vectors would read them once more, and start threads for it.
     """
     channels, count = values.shape
     rest, ahead, product = np.empty_like(values), np.zeros_like(values), np.empty_like(values)
-    scaled, enough, old = np.empty(count), np.zeros(channels), np.zeros(channels)
+    scale = 1 / diagonal
+    left, new, old, enough = np.zeros(channels), np.zeros(channels), np.zeros(channels), np.zeros(channels)
     _times(system, values, product)
     for channel in range(channels):
+        square, scaled = 0.0, 0.0
         for row in range(count):
-            rest[channel, row] = (right[channel, row] - product[channel, row]) * free[channel, row]
-        enough[channel] = tolerance**2 * np.dot(rest[channel], rest[channel])
+            here = (right[channel, row] - product[channel, row]) * free[channel, row]
+            rest[channel, row] = here
+            square += here * here
+            scaled += here * here * scale[row]
+        left[channel], new[channel], enough[channel] = square, scaled, tolerance**2 * square
     for _ in range(most):
         ready = True
         for channel in range(channels):
-            own = rest[channel]
             # A channel that is ready, or is no number, stays where it is.
-            if not np.dot(own, own) > enough[channel]:
+            if not left[channel] > enough[channel]:
                 ahead[channel] = 0.0
                 continue
             ready = False
+            turn = new[channel] / old[channel] if old[channel] > 0 else 0.0
             for row in range(count):
-                scaled[row] = own[row] / diagonal[row]
-            new = np.dot(own, scaled)
-            turn = new / old[channel] if old[channel] > 0 else 0.0
-            for row in range(count):
-                ahead[channel, row] = scaled[row] + turn * ahead[channel, row]
-            old[channel] = new
+                ahead[channel, row] = rest[channel, row] * scale[row] + turn * ahead[channel, row]
+            old[channel] = new[channel]
         if ready:
             return True
         _times(system, ahead, product)
         for channel in range(channels):
+            along = 0.0
             for row in range(count):
-                product[channel, row] *= free[channel, row]
-            along = np.dot(ahead[channel], product[channel])
+                along += ahead[channel, row] * product[channel, row] * free[channel, row]
             if along > 0:
-                stride = old[channel] / along
+                stride, square, scaled = old[channel] / along, 0.0, 0.0
                 for row in range(count):
                     values[channel, row] += stride * ahead[channel, row]
-                    rest[channel, row] -= stride * product[channel, row]
+                    here = rest[channel, row] - stride * product[channel, row] * free[channel, row]
+                    rest[channel, row] = here
+                    square += here * here
+                    scaled += here * here * scale[row]
+                left[channel], new[channel] = square, scaled
     return False

@@ -12,7 +12,7 @@ from scipy import sparse
 from quadshade.contract.arrays import Floats, Ints
 from quadshade.fit.elements import Elements
 from quadshade.fit.places import Places
-from quadshade.fit.solve import TOLERANCE, Solution, least_squares, normal_equations
+from quadshade.fit.solve import TOLERANCE, Solution, least_squares, normal_equations, smooth_squares
 
 ROUNDS = 16
 """Of weighting the largest errors more, ``minimax``."""
@@ -52,17 +52,15 @@ class Weighted:
     lowest: float
     largest: float
 
-    def solve(
-        self,
-        weight: Floats,
-        penalty: sparse.csr_array | None = None,
-        begin: Floats | None = None,
-        tolerance: float = TOLERANCE,
-    ) -> Solution:
+    def solve(self, weight: Floats, begin: Floats | None = None, tolerance: float = TOLERANCE) -> Solution:
         """Values of the least squared error, places (p,) weighted; see :func:`least_squares`."""
-        elements = self.elements
-        normal = normal_equations(elements, self.beyond, self.places, self.target, weight)
-        return least_squares(elements, normal, self.lowest, self.largest, penalty, begin, tolerance)
+        normal = normal_equations(self.elements, self.beyond, self.places, self.target, weight)
+        return least_squares(self.elements, normal, self.lowest, self.largest, begin, tolerance)
+
+    def solve_smooth(self, penalty: sparse.csr_array) -> Solution:
+        """The same with a penalty on the unknowns, each place by its area; see :func:`smooth_squares`."""
+        normal = normal_equations(self.elements, self.beyond, self.places, self.target, self.places.area)
+        return smooth_squares(self.elements, normal, self.lowest, self.largest, penalty)
 
     def drawn(self, values: Floats) -> Floats:
         """(p, c) what values (m, c) are at the places."""

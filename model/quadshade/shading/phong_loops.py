@@ -316,6 +316,25 @@ def _light_pixels(
 
 
 @njit(cache=True, error_model="numpy")
+def shade_places(lit: LitMesh, triangle: Ints, weights: Floats) -> Floats:
+    """(m, 3) light at barycentric coordinates (m, 3) of triangles (m,): best triangle by triangle."""
+    out, room = np.empty((len(triangle), 3)), np.empty((ROWS, BLOCK))
+    first = 0
+    while first < len(triangle):
+        count = 0
+        while count < BLOCK and first + count < len(triangle) and triangle[first + count] == triangle[first]:
+            for corner in range(3):
+                room[corner, count] = weights[first + count, corner]
+            count += 1
+        light_at(lit, triangle[first], count, room)
+        for i in range(count):
+            for colour in range(3):
+                out[first + i, colour] = room[colour, i]
+        first += count
+    return out
+
+
+@njit(cache=True, error_model="numpy")
 def shade_pixels(lit: LitMesh, triangle: Ints, x: Ints, y: Ints, subpixel_bits: int) -> Floats:
     """(m, 3) light at the centres of pixels (m,) in triangles (m,): best triangle by triangle."""
     out, room = np.empty((len(triangle), 3)), np.empty((ROWS, BLOCK))

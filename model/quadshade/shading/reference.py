@@ -14,7 +14,7 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.shading.phong_loops import lit_mesh, shade_pixels
+from quadshade.shading.phong_loops import lit_mesh, shade_pixels, shade_places
 from quadshade.shading.sample import full_scale, reflected
 
 CHUNK = 1 << 16
@@ -193,6 +193,10 @@ def phong_at(
     (m, 3) float64
       As for :func:`phong`.
     """
+    lit = lit_mesh(projected, lights, material, 2.0**formats.value_bits - 1)
+    if lit is not None:
+        owner = np.ascontiguousarray(triangle, dtype=np.int64)
+        return shade_places(lit, owner, np.ascontiguousarray(weights, dtype=np.float64))
     values = np.empty((len(triangle), 3))
     for rows in _chunks(len(triangle)):
         light = reflected(projected, triangle[rows], weights[rows, None, :], lights, material)

@@ -3,9 +3,9 @@
 The literature's set-up methods over many triangles, in vector instructions.
 
 Triangles lie in blocks of ``LANES``: a row of each coordinate, of each normal's component, of what is stored
-of each edge, and of each coefficient. So a loop reads and writes vectors without a shuffle. Rows are a constant
-number of entries apart, and no shorter than the loop: the compiler sees that no result can become an input.
-Products are fused with sums where the processor can.
+of each edge, and of each coefficient. So a loop reads and writes vectors without a shuffle. Rows are a
+constant number of entries apart, and no shorter than the loop: the compiler sees that no result can become an
+input. Products are fused with sums where the processor can.
 """
 
 from __future__ import annotations
