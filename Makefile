@@ -80,8 +80,9 @@ formal: setup ## prove units and core over their netlists; writes docs/reports/f
 	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
 
 .PHONY: rtl
-rtl: setup ## write rtl/generated/ from their Python sources
+rtl: setup ## write rtl/generated/ from their Python sources, and quadshade.core from rtl/files.f
 	@$(VENV) -m scripts.generate_vhdl
+	@$(VENV) -m scripts.release.fusesoc
 
 .PHONY: docs
 docs: setup ## build the documentation as a site, with the RTL's timing diagrams: build/docs/
@@ -242,6 +243,10 @@ synth-check: setup ## measure the table synth/resources.json again and compare (
 .PHONY: bitstream
 bitstream: setup ## a board's bitstream in build/bitstream, BOARD=name of synth/boards
 	@$(VENV) -m scripts.bitstream build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
+
+.PHONY: release
+release: setup ## RTL, netlists, benches, built bitstreams as an archive in build/release
+	@$(VENV) -m scripts.release
 
 .PHONY: clocks
 clocks: setup ## find the clock crossings in the boards' netlists; writes docs/reports/clocks.md

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 import tempfile
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -99,6 +100,19 @@ def check_names(verilog: str) -> None:
             )
 
 
+def netlist_header(top: str, generics: Mapping[str, int | str]) -> str:
+    """What a netlist says of itself, as comments."""
+    given = ", ".join(f"{name} = {value}" for name, value in generics.items()) or "all have their defaults"
+    lines = [
+        "SPDX-License-Identifier: Apache-2.0",
+        "",
+        f"{top} of Quadshade as a Verilog netlist, written by GHDL from the VHDL that its comments name.",
+        "Its generics are fixed; another configuration is another netlist:",
+        *textwrap.wrap(given, 100),
+    ]
+    return "".join(f"// {line}".rstrip() + "\n" for line in lines)
+
+
 def write_netlist(
     generics: Mapping[str, int | str], top: str = TOP, more: Sequence[Path] = (), root: Path | None = None
 ) -> Path:
@@ -138,7 +152,9 @@ def write_netlist(
             command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
             verilog = repair_constants(run_tool(command, Path(work)))
         check_names(verilog)
-        (folder / f"{top}.v").write_text(verilog)
+        # Comments say where a line comes from; the folder of a checkout is nobody else's.
+        verilog = verilog.replace(f"{root}/", "")
+        (folder / f"{top}.v").write_text(netlist_header(top, generics) + verilog)
 
     key = build_key(tool_version(tuple(ghdl)), top, *settings, Path(__file__), *sources)
     return build_once(root / "build" / "netlist", key, make) / f"{top}.v"

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+Write the archive of a release: VHDL with one compile order, netlists, a bench, a FuseSoC file, built bitstreams.
+
+Everything in it comes from the checkout, and two runs write the same bytes.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import re
+import tarfile
+import tomllib
+from pathlib import Path
+
+import click
+
+import quadshade
+from quadshade.contract.releases import definition_hash
+from quadshade.engine.netlist import write_netlist
+from quadshade.engine.sources import rtl_files
+from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_bytes
+from scripts.one_line_errors import one_line_errors
+
+ROOT = Path(__file__).resolve().parents[2]
+NETLISTS = ROOT / "synth" / "netlists.toml"
+BITSTREAMS = ROOT / "build" / "bitstream"
+BENCH = ("core_tb.vhd", "core_tb.v", "triangles.json", "words.hex", "words.pixels.csv")
+
+ABOUT = """\
+# Quadshade {version}
+
+Quadratic shading for small FPGAs. Format and protocol definition {definition:08x}.
+
+| file | what it is |
+| --- | --- |
+| `rtl/files.f` | the VHDL-2008 files in the order in which they are compiled, into a library of their own |
+| `quadshade.core` | the same for FuseSoC |
+| `examples/design` | a bench in VHDL and one in Verilog, with words and expected pixels |
+{rows}
+| `CHANGES.md` | what has changed |
+| `SHA256SUMS` | for `sha256sum --check` |
+
+    ghdl -a --std=08 --work=quadshade $(grep -v '^#' rtl/files.f)
+    ghdl -a --std=08 examples/design/core_tb.vhd
+    ghdl -e --std=08 core_tb
+    ghdl -r --std=08 core_tb -gwords_file=examples/design/words.hex -gpixels_file=examples/design/words.pixels.csv
+
+    cd examples/design && iverilog -o core core_tb.v ../../netlists/raster_core.v && vvp -n core
+"""
+
+
+def changes() -> str:
+    """The changelog's newest section."""
+    section = re.search(r"^## .*?(?=^## |\Z)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE | re.DOTALL)
+    if section is None:
+        raise QuadshadeError("CHANGELOG.md has no section", "write one")
+    return section[0].rstrip() + "\n"
+
+
+def netlists() -> dict[str, tuple[str, bytes]]:
+    """File name of each named configuration, with what it is and the netlist."""
+    found = {}
+    for name, entry in tomllib.loads(NETLISTS.read_text()).items():
+        path = write_netlist(entry.get("generics", {}), entry["entity"], root=ROOT)
+        found[f"netlists/{name}.v"] = (entry["text"], path.read_bytes())
+    return found
+
+
+def bitstreams() -> dict[str, bytes]:
+    """What `make bitstream` has built here."""
+    paths = sorted(path for path in BITSTREAMS.glob("*") if path.suffix in (".bit", ".bin", ".fs"))
+    return {f"bitstreams/{path.name}": path.read_bytes() for path in paths}
+
+
+def files() -> dict[str, bytes]:
+    """Every file of the archive by name."""
+    written, built = netlists(), bitstreams()
+    rows = [f"| `{name}` | {text} |" for name, (text, _) in written.items()]
+    rows += [f"| `{name}` | the board, as `make program` loads it |" for name in built]
+    about = ABOUT.format(version=quadshade.__version__, definition=definition_hash(), rows="\n".join(rows))
+    copied = [ROOT / "LICENSE", ROOT / "quadshade.core", ROOT / "rtl" / "files.f", *rtl_files(ROOT)]
+    copied += [ROOT / "examples" / "design" / name for name in BENCH]
+    content = {str(path.relative_to(ROOT)): path.read_bytes() for path in copied}
+    content |= {name: data for name, (_, data) in written.items()} | built
+    content |= {"README.md": about.encode(), "CHANGES.md": changes().encode()}
+    content["VERSION"] = f"{quadshade.__version__} {definition_hash():08x}\n".encode()
+    sums = [f"{hashlib.sha256(data).hexdigest()}  {name}" for name, data in sorted(content.items())]
+    return content | {"SHA256SUMS": ("\n".join(sums) + "\n").encode()}
+
+
+def archive(content: dict[str, bytes], folder: str) -> bytes:
+    """A .tar.gz of files in a folder, without times and owners."""
+    packed = io.BytesIO()
+    with (
+        gzip.GzipFile(fileobj=packed, mode="wb", mtime=0) as compressed,
+        tarfile.open(fileobj=compressed, mode="w") as tar,
+    ):
+        for name, data in sorted(content.items()):
+            entry = tarfile.TarInfo(f"{folder}/{name}")
+            entry.size = len(data)
+            tar.addfile(entry, io.BytesIO(data))
+    return packed.getvalue()
+
+
+@click.command(help=__doc__)
+@click.option(
+    "-o", "--output", type=click.Path(file_okay=False, path_type=Path), default=ROOT / "build/release"
+)
+@one_line_errors("release")
+def main(output: Path) -> None:
+    folder = f"quadshade-{quadshade.__version__}"
+    content = files()
+    output.mkdir(parents=True, exist_ok=True)
+    path = output / f"{folder}.tar.gz"
+    write_bytes(path, archive(content, folder))
+    built = sum(name.startswith("bitstreams/") for name in content)
+    click.echo(f"{path}: {len(content)} files, {built} bitstreams")
+    if not built:
+        click.echo("release: no bitstream is built here; `make bitstream BOARD=...` builds one", err=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The archive of a release, unpacked in a folder of its own: every file of it is used as its README says."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from quadshade.files.word_file import table_path
+from quadshade.rendering.groups import SetupChoice
+from quadshade.rendering.words import file_words
+from scripts.release import fusesoc
+from scripts.release.__main__ import archive, changes, files
+
+ROOT = Path(__file__).resolve().parents[1]
+DESIGN = ROOT / "examples" / "design"
+PIXELS = 1112
+FUSESOC = Path(sys.executable).with_name("fusesoc")
+
+
+def run(command: list[str | Path] | str, folder: Path) -> str:
+    done = subprocess.run(
+        command if isinstance(command, list) else ["/bin/bash", "-e", "-o", "pipefail", "-c", command],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"HOME": str(folder), "PYTHONPATH": ""},
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def content() -> dict[str, bytes]:
+    return files()
+
+
+@pytest.fixture(scope="module")
+def unpacked(content: dict[str, bytes], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("release")
+    with tarfile.open(fileobj=io.BytesIO(archive(content, "quadshade"))) as tar:
+        tar.extractall(folder, filter="data")
+    return folder / "quadshade"
+
+
+def test_the_sums_are_of_all_files(content: dict[str, bytes], unpacked: Path) -> None:
+    said = run(["sha256sum", "--check", "SHA256SUMS"], unpacked)
+    assert said.count(": OK") == len(content) - 1
+    assert archive(content, "quadshade") == archive(dict(reversed(content.items())), "quadshade")
+
+
+def test_its_readme_runs(unpacked: Path) -> None:
+    """VHDL in one order in a library of its own, and the Verilog netlist; the pixels are the model's."""
+    readme = (unpacked / "README.md").read_text()
+    commands = re.findall(r"^    (.+)", readme, re.MULTILINE)
+    said = "".join(run(command, unpacked) for command in commands)
+    assert said.count(f"{PIXELS} pixels are equal") == 2
+    assert set(re.findall(r"`(netlists/\w+\.v)`", readme)) == {
+        str(path.relative_to(unpacked)) for path in unpacked.glob("netlists/*")
+    }
+
+
+@pytest.mark.parametrize("target", ["sim", "lint_axis", "lint_board"])
+def test_fusesoc_takes_it(unpacked: Path, tmp_path: Path, target: str) -> None:
+    """From an empty folder; the two that only elaborate hold every fileset."""
+    command = [FUSESOC, "--cores-root", unpacked, "run", f"--target={target}", "quadshade::quadshade"]
+    said = run(command, tmp_path)
+    assert ("pixels are equal" in said) == (target == "sim")
+
+
+def test_netlists_are_whole(unpacked: Path) -> None:
+    for path in sorted(unpacked.glob("netlists/*.v")):
+        text = path.read_text()
+        assert text.startswith("// SPDX-License-Identifier: Apache-2.0\n")
+        assert "Its generics are fixed" in text and str(ROOT) not in text
+        top = re.findall(r"^// (\w+) of Quadshade", text, re.MULTILINE)
+        run(["iverilog", "-g2005", "-tnull", "-s", *top, path], unpacked)
+        run(["verilator", "--lint-only", "-Wno-fatal", "--top-module", *top, path], unpacked)
+
+
+def test_it_says_what_has_changed(unpacked: Path) -> None:
+    assert (unpacked / "CHANGES.md").read_text() == changes()
+    assert changes().startswith("## ") and changes().count("\n## ") == 0
+    assert (unpacked / "VERSION").read_text().split()[0] in (unpacked / "README.md").read_text()
+
+
+def test_the_bench_has_the_models_words() -> None:
+    words = file_words(DESIGN / "triangles.json", {}, SetupChoice())
+    assert (DESIGN / "words.hex").read_text().split() == [f"{word:08x}" for word in words.words]
+    rows = np.loadtxt(table_path(DESIGN / "words.hex", "pixels"), delimiter=",", skiprows=1, dtype=np.int64)
+    pixels = words.pixels
+    assert len(rows) == PIXELS
+    assert np.array_equal(rows[:, 1:7], np.column_stack([pixels.x, pixels.y, pixels.value]))
+    assert np.array_equal(rows[:, 7] != 0, words.last)
+
+
+def test_the_core_file_is_current() -> None:
+    assert fusesoc.CORE.read_text() == fusesoc.text()
