@@ -202,7 +202,7 @@ async def state_waits_for_a_drawing(dut: Any) -> None:
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def resets(dut: Any) -> None:
-    """A reset amid a drawing: its pixels are gone, counters begin again, the next primitive is a first one."""
+    """A reset amid a drawing: its pixels are gone, and counters and the first pixel begin again."""
     axis = Axis(dut, "resets")
     await axis.reset()
     await axis.load()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """
-Write the archive of a release: VHDL with one compile order, netlists, a bench, a FuseSoC file, built bitstreams.
+Write the archive of a release: VHDL in one order, netlists, benches, a FuseSoC file, built bitstreams.
 
 Everything in it comes from the checkout, and two runs write the same bytes.
 """
@@ -47,7 +47,8 @@ Quadratic shading for small FPGAs. Format and protocol definition {definition:08
     ghdl -a --std=08 --work=quadshade $(grep -v '^#' rtl/files.f)
     ghdl -a --std=08 examples/design/core_tb.vhd
     ghdl -e --std=08 core_tb
-    ghdl -r --std=08 core_tb -gwords_file=examples/design/words.hex -gpixels_file=examples/design/words.pixels.csv
+    cp examples/design/words.* .
+    ghdl -r --std=08 core_tb --ieee-asserts=disable
 
     cd examples/design && iverilog -o core core_tb.v ../../netlists/raster_core.v && vvp -n core
 """

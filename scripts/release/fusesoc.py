@@ -2,8 +2,8 @@
 """
 Write ``quadshade.core``, the RTL for FuseSoC (CAPI2), from ``rtl/files.f``. ``--check`` only compares.
 
-A fileset is a folder of ``rtl/`` in a library of its own, so that ``uart_rx`` or ``crc32`` meet no other entity
-of that name.
+A fileset is a folder of ``rtl/`` in a library of its own, so that ``uart_rx`` or ``crc32`` meet no other
+entity of that name.
 """
 
 from __future__ import annotations

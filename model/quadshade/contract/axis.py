@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """
-The AXI ports of ``quadshade_axis``: where a pixel's fields lie in ``tdata``, and the registers behind AXI4-Lite.
+The AXI ports of ``quadshade_axis``: a pixel's fields in ``tdata``, and the registers behind AXI4-Lite.
 
-``scripts/generate_vhdl`` writes ``rtl/generated/axis_pkg.vhd`` and the tables of ``docs/reference/axis.md`` from
-this module.
+``scripts/generate_vhdl`` writes ``rtl/generated/axis_pkg.vhd`` and the tables of ``docs/reference/axis.md``
+from this module.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ PIXEL_FIELDS = (
         "the channels, 0 or red lowest, each in whole bytes",
     ),
 )
-"""Fields of ``m_axis_pixel_tdata``, least significant bit first, each in whole bytes, zeros above its value."""
+"""Fields of ``m_axis_pixel_tdata``, the lowest first, each in whole bytes, zeros above its value."""
 
 
 class Register(NamedTuple):

@@ -58,7 +58,7 @@ class QuadshadeAxis:
         """
         The pixels of a stream of words, up to each ``tlast``.
 
-        The host's packets end with a pixel that is the last; the pixels of a malformed one may run into the next.
+        The host's packets end with a last pixel; those of a malformed one may run into the next.
         """
         state = ShadeState.from_registers(self.state, self.formats) if self.formats.with_shade else None
         frames: list[list[bytes]] = [[]]
