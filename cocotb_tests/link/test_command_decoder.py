@@ -177,7 +177,7 @@ async def overlaps(dut: Any, speed: str) -> None:
     board, model, parser = Board(bench, speed, (0, 0, 3, 12)), model_of(bench), FrameParser()
     await board.start()
     draw, opcodes = bench.draw, [opcode for opcode in Opcode if not opcode.is_answer]
-    likely = [*SEQUENCED, *SEQUENCED, *opcodes]
+    likely = [*SEQUENCED, *SEQUENCED, *opcodes, Opcode.RESET]
     board.door = board.stalled = model.holding = model.stalled = True
     seen = set()
     for index in range(bench.config.rounds):

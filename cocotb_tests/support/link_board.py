@@ -13,6 +13,9 @@ from quadshade.contract.protocol import Opcode, unpack_payload
 from quadshade.link.frames import Frame, FrameParser
 
 CLOCKS = ("clocks_busy", "clocks_idle")
+BLOCK_CYCLES = 350
+"""An answer's first block of up to 254 bytes without a zero is gathered before any of it is sent."""
+
 GATES = ("setup", "state", "clear", "swap", "read", "frame_crc")
 INPUTS = (
     *("line_valid", "line_data", "line_error", "break_seen", "send_ready", "send_busy", "core_idle"),
@@ -188,7 +191,7 @@ class Board:
 
     async def settle(self) -> list[Frame]:
         """Wait until nothing happens any more; the answers since the last time."""
-        await self.quiet_for(90)
+        await self.quiet_for(BLOCK_CYCLES)
         answers, self.answers = self.answers, []
         return answers
 
