@@ -3,16 +3,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import quadshade
 from quadshade.board import Board
 from quadshade.board.settings import board_settings
+from quadshade.cli.main import main
 from quadshade.contract.protocol import LinkError
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
 from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours, thresholds
+from quadshade.image import read_picture
 from quadshade.link.session import Session
 from quadshade.link.transport import MemoryTransport
 
@@ -76,6 +81,20 @@ def test_what_is_read_is_the_dithered_picture(colour_bits: int) -> None:
     covered = (plain != 0).any(axis=2)
     assert np.array_equal(picture.array[covered], expected[covered])
     assert (f"{colour_bits} bits a colour" in picture.summary) == (colour_bits < 8)
+
+
+def test_the_command_line_sets_a_simulated_boards_generics(tmp_path: Path) -> None:
+    generics = [argument for name, value in GENERICS.items() for argument in ("--generic", f"{name}={value}")]
+    scene = ("cube:2", "--size", "48x32", *generics)
+    board = ("--port", "sim", "--engine", "model", "--pack-error", "0")
+    result = CliRunner().invoke(main, ["render", *scene, *board, "-o", str(tmp_path / "a.png")])
+    assert result.exit_code == 0 and "4 bits a colour, dithered" in result.output
+    plain = quadshade.render("cube:2", size=SIZE, engine="model").array
+    covered = (plain != 0).any(axis=2)
+    assert np.array_equal(read_picture(tmp_path / "a.png")[covered], kept(plain, 4)[covered])
+    result = CliRunner().invoke(main, ["render", *scene, "-o", str(tmp_path / "b.png")])
+    assert result.exit_code == 2 and "the core has no generic 'buffers'" in result.output
+    assert not (tmp_path / "b.png").exists()
 
 
 @pytest.mark.parametrize("engine", ["verilator", "ghdl"])

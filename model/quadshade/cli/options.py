@@ -112,7 +112,8 @@ generic_option = option(
     "generics",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Set a generic of the core for this run, under its VHDL name (repeatable), e.g. stream_width=128.",
+    help="Set a generic of the core for this run, with --port sim also of the board, under its VHDL name"
+    " (repeatable), e.g. stream_width=128.",
 )
 
 

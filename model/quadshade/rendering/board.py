@@ -199,7 +199,12 @@ def _simulated_settings(settings: RenderSettings) -> BoardSettings:
     size = simulated_screen(None if choice.size is None else choice.pixels)
     channels = _shaded_channels(settings) if choice.interpolation in SPECULAR_ORDERS else {}
     built = board_settings(None, size, channels | given)
-    if settings.adapt.is_adaptive and choice.shading is None and not given and not style.kinds:
+    if (
+        settings.adapt.is_adaptive
+        and choice.shading is None
+        and not settings.core_generics
+        and not style.kinds
+    ):
         # Enough for colours and, of one light, for cosines; edges need a board without shade.
         built = built.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
     if style.kinds and _can_draw_gbuffer(built.formats):
@@ -213,7 +218,7 @@ def _shaded_channels(settings: RenderSettings) -> dict[str, int]:
     scene = show_scene(settings, settings.checked(), Reports(notice=lambda _: None))
     try:
         formats = specular_formats(
-            choice.set_generics, scene.projected, scene.lights, scene.surface, choice.toon is not None
+            settings.core_generics, scene.projected, scene.lights, scene.surface, choice.toon is not None
         )
     except UnsuitedError:
         return {}

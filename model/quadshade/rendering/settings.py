@@ -123,6 +123,15 @@ class RenderSettings:
         """The same settings with some of the scene's replaced."""
         return replace(self, scene=replace(self.scene, **changes))
 
+    @property
+    def core_generics(self) -> dict[str, int]:
+        """The generics that the user has set, without those that a simulated board has beside its core."""
+        from quadshade.board.settings import own_names
+
+        given = self.scene.set_generics
+        others = own_names() if self.port.is_simulated else []
+        return {name: value for name, value in given.items() if name not in others}
+
     def checked(self) -> Formats:
         """
         Refuse what contradicts itself, before any work is done; the formats that are asked for.
@@ -135,7 +144,7 @@ class RenderSettings:
         from quadshade.style.gbuffer import check_gbuffer
 
         scene, shading = self.scene, self.scene.interpolation
-        formats = Formats().with_generics(scene.set_generics)
+        formats = Formats().with_generics(self.core_generics)
         check_size(*scene.pixels, formats)
         if not self.adapt.is_adaptive:
             _check_orders(shading, formats)
@@ -159,7 +168,7 @@ class RenderSettings:
 
     def gbuffer_formats(self) -> Formats:
         """Formats of the G-buffer's core: of the generics it takes three channels and no shade unit."""
-        return Formats().with_generics({**self.scene.set_generics, "num_channels": 3, "with_shade": 0})
+        return Formats().with_generics({**self.core_generics, "num_channels": 3, "with_shade": 0})
 
     def _check_fit(self) -> None:
         """Refuse a fit of what is not fitted."""

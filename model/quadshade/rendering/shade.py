@@ -227,7 +227,7 @@ def shade_scene(
         try:
             curves = None if choice.toon is None else toon_curves(choice.toon, surface.exponent)
             fitted = specular_formats(
-                choice.set_generics, projected, lights, surface, choice.toon is not None
+                settings.core_generics, projected, lights, surface, choice.toon is not None
             )
             triangles = sample_specular(
                 projected, shading, lights, surface, fitted, x_shading, curves, taylor
@@ -301,7 +301,7 @@ def adapted_scene(
     specular, shading = None, settings.scene.shading
     if shading != ADAPTIVE_SHADINGS[0]:
         try:
-            specular = specular_formats(settings.scene.set_generics, projected, lights, surface)
+            specular = specular_formats(settings.core_generics, projected, lights, surface)
         except UnsuitedError as reason:
             shading = ADAPTIVE_SHADINGS[0]
             reports.notice(f"drawn as {shading}: {reason}")
