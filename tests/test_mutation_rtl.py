@@ -139,7 +139,8 @@ def test_a_mutant_is_killed_again(build: VhdlBuild, entry: dict[str, str]) -> No
     if not found:
         pytest.skip("its line is another by now: `make mutation` takes another mutant")
     (mutant,) = found
-    (case,) = [case for case in cases_of(entry["unit"]) if case.name == entry["case"]]
+    cases = [case for unit in own_units(entry["unit"]) for case in cases_of(unit)]
+    (case,) = [case for case in cases if case.name == entry["case"]]
     build.mutate(mutant.file, mutant.apply((ROOT / mutant.file).read_text()))
     try:
         build.make(case.unit)
@@ -157,13 +158,21 @@ def test_most_mutants_of_the_sample_are_still_there() -> None:
 
 def test_a_netlist_with_its_mutants_is_simulated_once(tmp_path: Path) -> None:
     run = NetlistRun("load_adder", tmp_path, count=6, seed=1)
-    results = run.own(run.mutants)
+    results = list(run.own(run.mutants))
     assert [result.name for result in results] == [mutant.name for mutant in run.mutants]
     assert len({result.name for result in results}) == 6
     assert {result.verdict for result in results} <= {"killed", "survived"}
     assert sum(result.verdict == "killed" for result in results) >= 4
     logs = sorted((tmp_path / "load_adder_netlist").glob("mutant_*.log"))
     assert len(logs) == 7, "the netlist as it is, and six mutants"
+
+
+def test_what_is_no_hardware_is_not_chosen(tmp_path: Path) -> None:
+    """Yosys aborts where a memory's reading without a clock is given an enable."""
+    run = NetlistRun("single_port_ram", tmp_path, count=15, seed=1, label="num_words=2-data_bits=1")
+    listed = (tmp_path / "single_port_ram_netlist" / "mutants.txt").read_text().splitlines()
+    assert len(run.mutants) == 15 < len(listed)
+    assert len(list(run.own(run.mutants))) == 15
 
 
 def mutant_of(unit: str, original: str, what: str) -> TextMutant:

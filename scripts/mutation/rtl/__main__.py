@@ -73,7 +73,14 @@ def main(
             ]
             # One unit whose bench fails on the clean RTL keeps no other from being run.
             problems = [problem for work in waiting if (problem := work.exception())]
-    found = [result for result in store.load().values() if result.seed == seed]
+    there = {mutant.name for unit in rtl_paths() for mutant in sampled(unit, seed)}
+    found = [
+        result
+        for result in store.load().values()
+        if result.seed == seed
+        and (result.name in there or result.source == "netlist")
+        and result.verdict != store.OUTDATED
+    ]
     report.write(found, seed, sum(len(sampled(unit, seed)) for unit in rtl_paths()), numbers)
     if problems:
         raise problems[0]

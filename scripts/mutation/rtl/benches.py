@@ -132,14 +132,23 @@ def _calls(module: Any) -> Iterator[tuple[Any, Any]]:
 
 
 @cache
+def _text_of(path: Path) -> tuple[Path, ...]:
+    """A file and what it imports of the tests, however far."""
+    found = {path: None}
+    for name in re.findall(
+        r"^ *from ((?:cocotb_tests|tests)\.[\w.]+) import", path.read_text(), re.MULTILINE
+    ):
+        found |= dict.fromkeys(_text_of(ROOT / f"{name.replace('.', '/')}.py"))
+    return tuple(found)
+
+
+@cache
 def digest(unit: str) -> str:
     """
-    Hash of what a bench is made of: its own text and what benches share.
+    Hash of what a bench is made of: its own text, and that of the tests' modules that it imports.
 
     The golden model is left out: a result that stands for one version of it stands for the next, whose
     clean run is checked before.
     """
-    text = hashlib.sha256()
-    for path in [*_modules(unit), *sorted((BENCHES / "support").glob("*.py"))]:
-        text.update(path.read_bytes())
-    return text.hexdigest()[:12]
+    paths = {path for module in _modules(unit) for path in _text_of(module)}
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(paths))).hexdigest()[:12]

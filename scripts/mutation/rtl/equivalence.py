@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +24,8 @@ from scripts.mutation.rtl.simulate_case import VhdlBuild
 
 STEPS = 2
 """Cycles in which the registers are equal: assumed in the induction, shown from power-up on."""
-SECONDS = 30
+SECONDS, WALL_SECONDS = 30, 120
+"""Of the first cycles' proof, and of all of Yosys' work in an attempt, after which it counts as vain."""
 PROVED = ("Equivalence successfully proven!", "Reached maximum number of time steps -> proved base case")
 """What Yosys says after the induction and after the first cycles."""
 _MODULE = re.compile(r"^module (\w+)\b.*?^endmodule\n", re.MULTILINE | re.DOTALL)
@@ -114,11 +116,10 @@ def proved(gold: str, gate: str, unit: str, folder: Path) -> bool:
         text, commands = script(gold, gate, unit, attempt)
         (folder / "both.v").write_text(text)
         (folder / "script.ys").write_text("\n".join(commands) + "\n")
-        done = subprocess.run(
-            [sys.executable, "-c", RUN_SCRIPT, "script.ys"],
-            cwd=folder, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        (folder / f"log{number}.txt").write_text(done.stdout + done.stderr)
-        if all(words in done.stdout for words in PROVED):
+        log = folder / f"log{number}.txt"
+        with log.open("w") as out, suppress(subprocess.TimeoutExpired):
+            command = [sys.executable, "-c", RUN_SCRIPT, "script.ys"]
+            subprocess.run(command, cwd=folder, stdout=out, stderr=out, check=False, timeout=WALL_SECONDS)
+        if all(words in log.read_text() for words in PROVED):
             return True
     return False

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 from quadshade.engine.tool_runner import package_version, tool_command, tool_version
 from quadshade.files.atomic import write_json
 from quadshade.files.markdown import markdown_table
 from scripts.mutation.report import REPORT, score, write_section
-from scripts.mutation.rtl.benches import rtl_paths
+from scripts.mutation.rtl.benches import cases_of, rtl_paths
+from scripts.mutation.rtl.clean import usual_seconds
 from scripts.mutation.rtl.results import Result
 from scripts.mutation.rtl.run_text import digest_of, own_units
 
@@ -193,11 +193,14 @@ def write(
 ) -> None:
     """Write the section, and the numbers with a killed mutant of each unit for the tests to kill again."""
     argued = reviews()
-    again: dict[str, dict[str, Any]] = {}
-    for result in results:
-        text_killed = (result.source, result.verdict, result.stage) == ("text", "killed", "own")
-        if text_killed and result.by.partition("[")[0] == result.unit:
-            again.setdefault(result.unit, {"unit": result.unit, "name": result.name, "case": result.by})
+    again = []
+    for unit in rtl_paths():
+        cases = {case.name: case for own in own_units(unit) for case in cases_of(own)}
+        killed = [result for result in results if result.unit == unit and result.by in cases]
+        killed = [one for one in killed if (one.source, one.verdict, one.stage) == ("text", "killed", "own")]
+        if killed:
+            quickest = min(killed, key=lambda result: usual_seconds(cases[result.by]))
+            again.append({"unit": unit, "name": quickest.name, "case": quickest.by})
     kept = [asdict(result) for result in results if result.verdict in ("survived", "equivalent")]
     content = {
         "seed": seed,
@@ -207,7 +210,7 @@ def write(
             unit: asdict(tally([r for r in results if r.unit == unit], argued))
             for unit in sorted(rtl_paths())
         },
-        "kill_again": list(again.values()),
+        "kill_again": again,
         "not_killed": sorted(kept, key=lambda one: (one["unit"], one["line"], one["name"])),
     }
     write_section("rtl", section(results, seed, candidates, asked))

@@ -15,6 +15,8 @@ BUILD = ROOT / "build" / "mutation"
 RESULTS = BUILD / "results.jsonl"
 CLEAN = BUILD / "clean.jsonl"
 """How long the benches' cases take on the clean RTL."""
+OUTDATED = "outdated"
+"""Verdict on a mutant of a netlist that is another by now: it counts nowhere."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class Result:
     source : str
       ``text`` or ``netlist``.
     verdict : str
-      ``killed``, ``survived``, ``equivalent``, or ``stillborn``: no hardware can be made of it.
+      ``killed``, ``survived``, ``equivalent``, ``stillborn``: no hardware can be made of it, or
+      ``OUTDATED``.
     by : str
       The case that killed it, or how it was proved.
     detail : str

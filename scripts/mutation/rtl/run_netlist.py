@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -27,6 +27,8 @@ from scripts.mutation.rtl.results import Result
 from scripts.mutation.rtl.simulate_case import Ran, run_verilog
 
 PORT_BITS = 16
+NO_HARDWARE = re.compile(r"-cell \$memrd\S* -port EN")
+"""A memory's reading without a clock has no enable, and Yosys aborts where it is given one."""
 
 
 @dataclass(frozen=True)
@@ -89,10 +91,14 @@ class NetlistRun:
         ]
         self.mutants = self._listed(count)
 
-    def _listed(self, count: int) -> list[NetlistMutant]:
-        listing = f"mutate -list {count} -seed {self.seed} -o mutants.txt {self.unit}"
+    def _listed(self, count: int, number: int = 0) -> list[NetlistMutant]:
+        """So many mutants, of more that are asked for where some are no hardware."""
+        listing = f"mutate -list {number or count} -seed {self.seed} -o mutants.txt {self.unit}"
         run_yosys([*self.read, listing, "write_verilog -noattr clean.v"], self.folder)
-        lines = (self.folder / "mutants.txt").read_text().splitlines()
+        listed = (self.folder / "mutants.txt").read_text().splitlines()
+        lines = [line for line in listed if not NO_HARDWARE.search(line)]
+        if len(lines) < count:
+            return self._listed(count, len(listed) + count - len(lines))
         keys = [f"{self.unit}|{self.case.label}|{line}" for line in lines]
         names = [hashlib.sha256(key.encode()).hexdigest()[:10] for key in keys]
         return [NetlistMutant(*pair) for pair in zip(names, lines, strict=True)]
@@ -106,19 +112,23 @@ class NetlistRun:
         run_yosys([*self.read, *chosen, "write_verilog -noattr mutants.v"], self.folder)
         return self.folder / "mutants.v"
 
-    def own(self, mutants: Sequence[NetlistMutant]) -> list[Result]:
-        """On the unit's own bench; mutant 0 first, which tells how long the clean netlist takes."""
+    def own(self, mutants: Sequence[NetlistMutant]) -> Iterator[Result]:
+        """On the unit's own bench, as they end; mutant 0 first: how long the clean netlist takes."""
         if not mutants:
-            return []
+            return
         netlist = self._write(mutants)
         (clean,) = run_verilog(netlist, self.case, 1)
         if clean.verdict != "passed":
             raise QuadshadeError(
                 f"{self.case.name} fails on the clean netlist: {clean.detail}", "mend it first"
             )
-        outcomes = zip(mutants, run_verilog(netlist, self.case, len(mutants) + 1, clean.ns)[1:], strict=True)
-        # What has no results and began no test was interrupted: it is run again.
-        return [self._result(mutant, ran) for mutant, ran in outcomes if ran.verdict != "stillborn"]
+        outcomes = zip(
+            [None, *mutants], run_verilog(netlist, self.case, len(mutants) + 1, clean.ns), strict=True
+        )
+        for mutant, ran in outcomes:
+            # What has no results and began no test was interrupted: it is run again.
+            if mutant is not None and ran.verdict != "stillborn":
+                yield self._result(mutant, ran)
 
     def _result(self, mutant: NetlistMutant, ran: Ran) -> Result:
         result = Result(

@@ -18,6 +18,9 @@ from scripts.mutation.rtl.results import Result
 from scripts.mutation.rtl.simulate_case import Stillborn, VhdlBuild
 from scripts.mutation.rtl.vhdl_text import TextMutant, mutants_of
 
+ABOVE_SECONDS = 60
+"""Processor time of a survivor on the benches of the units above, cheap ones first."""
+
 
 def sampled(unit: str, seed: int) -> list[TextMutant]:
     """All of a unit's mutants in a seed's order: a larger sample begins with a smaller one."""
@@ -83,12 +86,15 @@ class TextRun:
             self.build.mutate(mutant.file, None)
 
     def _judge(self, mutant: TextMutant, units: Sequence[str], stage: str, seed: int) -> Result:
-        """Run a mutant on the benches of some units until one kills it."""
+        """Run a mutant on some units' benches until one kills it, or those above were given their time."""
+        spent = 0.0
         survivor = Result(
             mutant.name, self.unit, mutant.file, mutant.line, mutant.kind, mutant.original,
             mutant.what, "text", "survived", stage=stage, benches=digest_of(units), seed=seed,
         )  # fmt: skip
         for case in self._order(units):
+            if stage == "above" and spent + usual_seconds(case) > ABOVE_SECONDS:
+                break
             most_ns = self._clean_ns(case)
             with self._mutated(mutant):
                 try:
@@ -96,6 +102,7 @@ class TextRun:
                 except Stillborn as problem:
                     return replace(survivor, verdict="stillborn", detail=str(problem))
                 ran = self.build.run(case, most_ns)
+                spent += ran.seconds
                 if ran.verdict == "passed":
                     continue
                 broken = ran.verdict == "crashed" and not self.build.synthesises(case)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from scripts.mutation.rtl import results as store
 from scripts.mutation.rtl.benches import above, cases_of, rtl_paths
-from scripts.mutation.rtl.results import BUILD, Result
+from scripts.mutation.rtl.results import BUILD, OUTDATED, Result
 from scripts.mutation.rtl.run_netlist import NetlistRun
 from scripts.mutation.rtl.run_text import TextRun, digest_of, own_units, sampled
 
@@ -136,10 +136,14 @@ class Settling:
         before = [one for one in self.known.values() if (one.unit, one.source) == (self.unit, "netlist")]
         label = before[0].original if before else ""
         run = NetlistRun(self.unit, folder, self.counts[1], self.seed, label)
+        there = {mutant.name for mutant in run.mutants}
+        for old in before:
+            if old.name not in there and old.verdict != OUTDATED:
+                self._keep(replace(old, verdict=OUTDATED, detail="of another netlist or sample"))
         todo = []
         for mutant in run.mutants:
             old = self.known.get(mutant.name)
-            if old is None or self.stale(old):
+            if old is None or old.verdict == OUTDATED or self.stale(old):
                 todo.append(mutant)
         for result in run.own(todo):
             found = replace(result, benches=self.own_benches)

@@ -8,6 +8,8 @@ import resource
 import shutil
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -31,6 +33,7 @@ SIMULATED = "sim_time_duration"
 """Property of a test in cocotb's results, in nanoseconds."""
 WALL_SECONDS = 900
 """Ends a simulation whose time stands still."""
+POLL_SECONDS = 0.1
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,7 @@ class VhdlBuild:
         return _read(results, log, seconds, hung)
 
 
-def run_verilog(netlist: Path, case: Case, mutants: int, most_ns: float | None = None) -> list[Ran]:
+def run_verilog(netlist: Path, case: Case, mutants: int, most_ns: float | None = None) -> Iterator[Ran]:
     """
     A case on a netlist that holds its mutants, in its folder: see :mod:`scripts.mutation.rtl.forks`.
 
@@ -187,10 +190,10 @@ def run_verilog(netlist: Path, case: Case, mutants: int, most_ns: float | None =
     most_ns : float, optional
       How long the clean one takes. Icarus has no option for this: a module beside the unit ends it.
 
-    Returns
-    -------
-    list of Ran
-      By mutant; of no use are their seconds, which are 0.
+    Yields
+    ------
+    Ran
+      By mutant, as they end; of no use are their seconds, which are 0.
 
     Raises
     ------
@@ -214,6 +217,12 @@ def run_verilog(netlist: Path, case: Case, mutants: int, most_ns: float | None =
     variables = _variables(case, "verilog")
     variables |= {"COCOTB_TEST_MODULES": f"{case.module},scripts.mutation.rtl.forks", FORKS: str(mutants)}
     command = ["vvp", "-m", cocotb_tools.config.lib_entry("vpi", "icarus"), "sim.vvp", "-none"]
-    with (folder / "simulation.log").open("w") as out:
-        subprocess.run(command, cwd=folder, env=variables, stdout=out, stderr=out, check=False)
-    return [_read(results, log, 0.0) for results, log in files]
+    with (
+        (folder / "simulation.log").open("w") as out,
+        subprocess.Popen(command, cwd=folder, env=variables, stdout=out, stderr=out) as process,
+    ):
+        for number, (results, log) in enumerate(files):
+            # One after the other: where the next one has begun, this one is done.
+            while process.poll() is None and not (number + 1 < mutants and files[number + 1][1].is_file()):
+                time.sleep(POLL_SECONDS)
+            yield _read(results, log, 0.0)
