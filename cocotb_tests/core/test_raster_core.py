@@ -68,6 +68,7 @@ async def clocks(dut: Any, stall_period: int) -> None:
     words = stimulus(bench, 42 if stall_period == 0 else 21)
     takes = (stall_period == 0 or cycle % stall_period != 0 for cycle in count(1))
     run = Run(bench, words, repeat(True), takes)
+    run.sink.exact = True
     await run.finish()
     least = draw_fast(words, bench.config, stall_period).clocks
     if bench.config.single_buffer:

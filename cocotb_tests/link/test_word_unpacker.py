@@ -76,8 +76,10 @@ def triangles_of(bench: Bench, count: int) -> ScreenTriangles:
     )
 
 
-async def unpack(bench: Bench, words: np.ndarray, source: str, sink: str) -> tuple[list[int], list[int]]:
-    """Send words; the set-up words that come out, and in which cycles, once nothing has come for a while."""
+async def unpack(
+    bench: Bench, words: np.ndarray, expected: list[int], source: str, sink: str, what: object = None
+) -> list[int]:
+    """Send words; compare the set-up words that come until none has for a while; in which cycles they do."""
     dut = bench.dut
     offered = StreamSource(
         dut.packed_valid,
@@ -94,9 +96,12 @@ async def unpack(bench: Bench, words: np.ndarray, source: str, sink: str) -> tup
         await bench.edge()
         offered.sample(bench.cycle)
         taken.sample(bench.cycle)
+        for (word,), wanted in zip(taken.words[seen:], expected[seen:], strict=False):
+            bench.check("set-up word", word, wanted, seen, what)
         quiet = quiet + 1 if offered.empty and len(taken.words) == seen else 0
         seen = len(taken.words)
-    return [word for (word,) in taken.words], taken.taken_at
+    bench.check("number of set-up words", seen, len(expected), None, what)
+    return taken.taken_at
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -109,8 +114,7 @@ async def packets(dut: Any, source: str, sink: str) -> None:
     batches = [pack_primitives(primitives, formats, error) for error in (0.25, 0.0)]
     words = np.concatenate([batch.words for batch in batches])
     expected = np.concatenate([pack(batch.primitives, formats) for batch in batches])
-    setup_words, _ = await unpack(bench, words, source, sink)
-    bench.check_all("set-up word", setup_words, expected.tolist())
+    await unpack(bench, words, expected.tolist(), source, sink)
     bench.check("busy at the end", int(dut.busy.value), 0)
     bench.finish(at_least=40)
 
@@ -127,16 +131,15 @@ async def junk(dut: Any) -> None:
         words = np.array([bench.bits(32) for _ in range(count)], np.uint32)
         words &= np.array((0xFFFFFFFF, 0xFFFFFFFF, 0x11111111, 0x00000F0F)[kind % 4], np.uint32)
         words |= np.array((0, 0xF0F0F0F0)[kind == 5], np.uint32)
-        setup_words, _ = await unpack(bench, words, "full_speed", "throttled")
         whole = model.feed(words).tolist()
-        bench.check_all("set-up word", setup_words, whole + model.begun)
+        await unpack(bench, words, whole + model.begun, "full_speed", "throttled")
         bench.check("busy", bool(dut.busy.value), model.within)
         model.reset()
         await bench.reset()
     primitives = setup_triangles(triangles_of(bench, 4), formats, limit=None)
     batch = pack_primitives(primitives, formats)
-    setup_words, _ = await unpack(bench, batch.words, "full_speed", "full_speed")
-    bench.check_all("set-up word after junk", setup_words, pack(batch.primitives, formats).tolist())
+    expected = pack(batch.primitives, formats).tolist()
+    await unpack(bench, batch.words, expected, "full_speed", "full_speed", "after junk")
     bench.finish(at_least=100)
 
 
@@ -153,9 +156,8 @@ async def every_begin_and_a_full_list(dut: Any) -> None:
     begins = [[(1 << at | bench.bits(32) << at + 2) & 0xFFFFFFFF] for at in range(32)]
     for index, first in enumerate([*begins, [0xFFFFFFFF] * (1 + list_bits // 32)]):
         words = np.array([*first, *(bench.bits(32) for _ in range(4))], np.uint32)
-        setup_words, _ = await unpack(bench, words, "throttled", "full_speed")
         whole = model.feed(words).tolist()
-        bench.check_all("set-up word", setup_words, whole + model.begun, lambda _, i=index: i)
+        await unpack(bench, words, whole + model.begun, "throttled", "full_speed", index)
         bench.check("busy", bool(dut.busy.value), model.within, index)
         model.reset()
         await bench.reset()
@@ -188,9 +190,8 @@ async def every_width_is_changed(dut: Any) -> None:
         changes = [(address, draw.randrange(most)) for address in draw.sample(addresses, some)]
         words = packet_of(bench, changes)
         model = WordUnpacker(formats)
-        setup_words, _ = await unpack(bench, words, "full_speed", "full_speed")
         whole = model.feed(words).tolist()
-        bench.check_all("set-up word", setup_words, whole + model.begun)
+        await unpack(bench, words, whole + model.begun, "full_speed", "full_speed")
         bench.check("busy", bool(dut.busy.value), model.within)
         await bench.reset()
     bench.finish(at_least=30)
@@ -206,8 +207,7 @@ async def resets(dut: Any) -> None:
     expected = pack(batch.primitives, formats).tolist()
 
     async def work() -> None:
-        setup_words, _ = await unpack(bench, batch.words, "throttled", "throttled")
-        bench.check_all("set-up word", setup_words, expected)
+        await unpack(bench, batch.words, expected, "throttled", "throttled")
 
     events = (("packed_valid", "packed_ready"), ("setup_valid", "setup_ready"), "busy")
     await reset_amid(bench, work, events, rounds=12, quiet=("setup_valid",))
@@ -222,11 +222,11 @@ async def clocks(dut: Any) -> None:
     formats = bench.config.formats
     batch = pack_primitives(setup_triangles(triangles_of(bench, 6), formats, limit=None), formats)
     begin = bench.cycle
-    setup_words, taken_at = await unpack(bench, batch.words, "full_speed", "full_speed")
-    bench.check("set-up words", len(setup_words), len(pack(batch.primitives, formats)))
-    cycles = (taken_at[-1] - begin) / len(setup_words)
+    expected = pack(batch.primitives, formats).tolist()
+    taken_at = await unpack(bench, batch.words, expected, "full_speed", "full_speed")
+    cycles = (taken_at[-1] - begin) / len(expected)
     dut._log.info(
-        "%.1f cycles a set-up word, %.1f a packed word", cycles, cycles * len(setup_words) / len(batch.words)
+        "%.1f cycles a set-up word, %.1f a packed word", cycles, cycles * len(expected) / len(batch.words)
     )
     bench.check("about 32 cycles and a few for the fields", 32 <= cycles < 48, True)
     bench.finish(at_least=2)

@@ -78,6 +78,7 @@ async def clocks(dut: Any, stall_period: int) -> None:
     words = stimulus(bench, 28 if stall_period == 0 else 14)
     takes = (stall_period == 0 or cycle % stall_period != 0 for cycle in count(1))
     run = Run(bench, words, repeat(True), takes, state)
+    run.sink.exact = True
     await run.finish()
     bench.check("clocks", run.clocks, draw(words, formats, state, stall_period).clocks)
     if stall_period == 0:

@@ -89,7 +89,10 @@ class Unit:
         self.bench.check("state_ready", bool(dut.state_ready.value), self.on_their_way == 0)
         self.source.sample(self.bench.cycle)
         self.writes.sample(self.bench.cycle)
+        taken = len(self.sink.words)
         self.sink.sample(self.bench.cycle)
+        for word, expected in zip(self.sink.words[taken:], self.expected[taken:], strict=False):
+            self.bench.check("pixel (colour, along)", word, expected, taken)
 
     def load(self, state: ShadeState, tables: bool = True) -> None:
         """Offer a state's words, or those of its registers alone, and some that have no place."""
@@ -125,7 +128,7 @@ class Unit:
 
     def finish(self) -> None:
         """Every pixel, none more, in their order."""
-        self.bench.check_all("pixel (colour, along)", self.sink.words, self.expected)
+        self.bench.check("number of pixels", len(self.sink.words), len(self.expected))
         self.bench.finish(at_least=len(self.expected))
 
 
@@ -232,7 +235,7 @@ async def resets(dut: Any, sink: str) -> None:
         unit.latest = state
         unit.offer(24)
         await unit.settle()
-        bench.check_all("pixel (colour, along)", unit.sink.words, unit.expected)
+        bench.check("number of pixels", len(unit.sink.words), len(unit.expected))
 
     await reset_amid(bench, work, ("pixel_valid", "shaded_valid"), 16, quiet=("shaded_valid", "busy"))
     bench.finish(at_least=200)

@@ -247,6 +247,9 @@ class StreamSink:
     """
     Takes words from an AXI4-Stream and checks that an offered word stays until it is taken.
 
+    Every second pause ends only where a word stands there, as a word must not wait for its ready; unless
+    ``exact`` is set.
+
     Parameters
     ----------
     bench : Bench
@@ -261,14 +264,18 @@ class StreamSink:
         self.words: list[tuple[int, ...]] = []
         self.taken_at: list[int] = []
         self.is_ready = False
+        self.pauses, self.exact = 0, False
         self.held: tuple[int, ...] | None = None
         ready.value = 0
 
     def drive(self) -> None:
         """Set ready for the next edge."""
         wanted = next(self.go)
+        if not (self.exact or self.is_ready) and self.pauses % 2 and self.held is None:
+            wanted = False
         if wanted != self.is_ready:
             self.is_ready = wanted
+            self.pauses += not wanted
             self.ready.value = int(wanted)
 
     def sample(self, cycle: int) -> None:
