@@ -301,7 +301,7 @@ begin
       bad_field := (reads and not good_area) or ((reads or sums) and not good_plane) or bad_rate;
 
       why := reason_none;
-      if ended = '1' then
+      if ended = '1' and reset = '0' then
         discard <= '1';
         if good_cobs = '0' then
           count_bad_cobs <= '1';
@@ -357,10 +357,6 @@ begin
       if reset = '1' then
         next_number <= (others => '0');
         previous <= (others => '1');
-        commit <= '0';
-        ack <= '0';
-        nak <= '0';
-        request <= '0';
       end if;
     end if;
   end process;
