@@ -109,7 +109,9 @@ class NetlistRun:
             f"{mutant.options} -ctrl {PORT} {PORT_BITS} {number}"
             for number, mutant in enumerate(mutants, start=1)
         ]
-        run_yosys([*self.read, *chosen, "write_verilog -noattr mutants.v"], self.folder)
+        # A register whose output is changed loses its value at power-up.
+        values = "setundef -zero -init t:$dff"
+        run_yosys([*self.read, *chosen, values, "write_verilog -noattr mutants.v"], self.folder)
         return self.folder / "mutants.v"
 
     def own(self, mutants: Sequence[NetlistMutant]) -> Iterator[Result]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from scripts.mutation.rtl import results as store
 from scripts.mutation.rtl.benches import above, cases_of, rtl_paths
+from scripts.mutation.rtl.report import reviews
 from scripts.mutation.rtl.results import BUILD, OUTDATED, Result
 from scripts.mutation.rtl.run_netlist import NetlistRun
 from scripts.mutation.rtl.run_text import TextRun, digest_of, own_units, sampled
@@ -78,7 +79,7 @@ class Settling:
     ) -> None:
         self.unit, self.counts, self.seed, self.steps = unit, counts, seed, steps
         self.again, self.report = again, report
-        self.known = store.load()
+        self.known, self.argued = store.load(), reviews()
         self.own_benches = digest_of(own_units(unit))
         self.above_benches = f"{self.own_benches}+{digest_of(above(unit))}"
 
@@ -89,8 +90,8 @@ class Settling:
         return result
 
     def stale(self, old: Result) -> bool:
-        """Whether an earlier result is to be found anew, with the benches of today."""
-        if old.benches.startswith(self.own_benches):
+        """Whether an earlier result is to be found anew, with the benches of today: no argued one is."""
+        if old.benches.startswith(self.own_benches) or old.name in self.argued:
             return False
         return old.verdict == "survived" or (self.again and (old.verdict, old.stage) == ("killed", "own"))
 
@@ -123,7 +124,7 @@ class Settling:
         for step in ("proof", "above"):
             for mutant in chosen if step in self.steps else []:
                 result = self.known.get(mutant.name)
-                if result is None or result.verdict != "survived":
+                if result is None or result.verdict != "survived" or result.name in self.argued:
                     continue
                 if step == "proof" and result.stage == "own":
                     run = run or TextRun(self.unit, folder)
@@ -150,5 +151,6 @@ class Settling:
             self._keep(tried(found, self.known.get(result.name)))
         for mutant in run.mutants if "proof" in self.steps else []:
             old = self.known.get(mutant.name)
-            if old is not None and old.verdict == "survived" and old.stage == "own":
+            waits = old is not None and old.verdict == "survived" and old.stage == "own"
+            if waits and mutant.name not in self.argued:
                 self._keep(run.prove(mutant, old))
