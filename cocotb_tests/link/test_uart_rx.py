@@ -53,6 +53,19 @@ def levels(bench: Bench, clocks: float) -> list[int]:
     return line
 
 
+async def compare(bench: Bench, model: UartRx, step: int, index: int) -> tuple[bool, bool, bool]:
+    """Up to the next edge; what the model says of a byte, a framing error and a break."""
+    dut = bench.dut
+    await bench.edge()
+    expected = model.outputs
+    got = (bool(dut.byte_valid.value), bool(dut.framing_error.value), bool(dut.break_seen.value))
+    wanted = (expected.valid, expected.framing_error, expected.break_seen)
+    bench.check("valid, framing_error, break_seen", got, wanted, index, {"step": step})
+    if expected.valid:
+        bench.check("byte_data", int(dut.byte_data.value), expected.data, index, {"step": step})
+    return wanted
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(step=STEPS, resets=[False, True])
 async def every_cycle(dut: Any, step: int, resets: bool) -> None:
@@ -68,18 +81,48 @@ async def every_cycle(dut: Any, step: int, resets: bool) -> None:
     for index, level in enumerate(levels(bench, clocks)):
         resets_now = next(reset)
         dut.rx.value, dut.reset.value = level, int(resets_now)
-        await bench.edge()
-        expected = model.outputs
-        got = (bool(dut.byte_valid.value), bool(dut.framing_error.value), bool(dut.break_seen.value))
-        wanted = (expected.valid, expected.framing_error, expected.break_seen)
-        bench.check("valid, framing_error, break_seen", got, wanted, index, {"step": step})
-        if expected.valid:
-            bench.check("byte_data", int(dut.byte_data.value), expected.data, index)
+        wanted = await compare(bench, model, step, index)
         seen = [count + value for count, value in zip(seen, wanted, strict=True)]
         model.clock(level, step)
         if resets_now:
             model.reset()
     bench.check("characters, framing errors and breaks were there", min(seen) > 0, True)
+    bench.finish(at_least=2500)
+
+
+def limit(bench: Bench) -> int:
+    """A phase step with its low bits in use, by which a sample just falls in a clock or just misses it."""
+    tries = []
+    for _ in range(100):
+        eighths = 8 * bench.draw.randint(1, 8) + bench.draw.choice((3, 4, 5))
+        place = eighths << (PHASE_BITS - 3)
+        clocks = round(eighths * bench.draw.uniform(4.1, 14) / 8)
+        step = -(-place // clocks)
+        if step * clocks > place:
+            tries.append((step * clocks - place, step))
+    return min(tries)[1] - bench.draw.randrange(2)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def phases_at_their_limits(dut: Any) -> None:
+    """Noise where a sample's clock is decided by the last bits of the phase."""
+    bench = Bench(dut, Config, "phases_at_their_limits")
+    dut.rx.value = 1
+    await bench.start("phase_step")
+    dut.rx.value = 1
+    for _ in range(4):
+        await bench.edge()
+    model, bytes_seen = UartRx(), 0
+    for index in range(60):
+        step = limit(bench)
+        clocks = (1 << PHASE_BITS) / step
+        noise = [bench.bits(1) for _ in range(round(8 * clocks))]
+        dut.phase_step.value = step
+        for level in (*[1] * 4, *[0] * round(clocks), *noise, *[1] * round(12 * clocks)):
+            dut.rx.value = level
+            bytes_seen += (await compare(bench, model, step, index))[0]
+            model.clock(level, step)
+    bench.check("bytes were there", bytes_seen >= 60, True)
     bench.finish(at_least=2500)
 
 
