@@ -64,7 +64,7 @@ def test_errors_of_parts_are_those_of_what_is_drawn(kind: type[Shader]) -> None:
     planner = Planner(whole, kind(None, SHINY, formats, whole))
     plan = planner.for_limit(2.0, verify=True)
     assert len(plan.surface.root) > len(whole) or kind is CosineShader
-    assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders)
+    assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders, plan.first)
     assert plan.bytes == stream_bytes(plan.triangles, formats)
     errors = plan.drawn()
     pixels = draw(plan.triangles, formats).pixels
@@ -156,16 +156,21 @@ def test_work_is_done_once_and_only_where_it_can_win(
     monkeypatch.setattr(phong_pixels, "shade_rows", shading)
     monkeypatch.setattr(PhongPixels, "errors", drawing)
     adapted = adapt(whole, None, SHINY, max_error=4.0, shading="auto")
-    assert adapted.rival is not None and adapted.rival.error is None
+    assert adapted.rival is not None
+    # Of the smaller sphere two kinds of channels take about as much: both are drawn.
+    kinds = 1 + (adapted.rival.error is not None)
+    assert kinds == (2 if scene == "sphere:374" else 1)
     assert len(shaded) == 1 and shaded[0] > 1000
     assert list(drawn) == [adapted.formats]
     (counts,) = drawn.values()
     # The whole once; after that the few parts that other limits change, and where much is divided the other
     # way of planning.
-    assert counts[0] >= len(whole) and max(counts[1:]) < len(whole) / 5 and sum(counts) < 2 * len(whole)
+    *parts, smallest_whole = sorted(counts)[: len(counts) - kinds + 1]
+    assert smallest_whole >= len(whole) and max(parts) < len(whole) / 5
+    assert sum(counts) < 2 * kinds * len(whole)
     assert planned_twice or (sum(counts) < 1.5 * len(whole) and len(counts) <= 6)
     # Judged for every triangle of all three kinds they would be three times the whole, and more for parts.
-    assert 0 < sum(halves) < 0.6 * len(whole)
+    assert 0 < sum(halves) < 0.6 * kinds * len(whole)
 
 
 FORMER = {

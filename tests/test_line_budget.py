@@ -64,7 +64,7 @@ NO_DEPTH = {"with_depth": 0, "depth_bits": 1, "num_channels": 1}
 @pytest.mark.parametrize(
     ("scene", "core", "budget", "more"),
     [
-        ("torus:288", SPECULAR, 6500, {}),
+        ("torus:288", SPECULAR, 6300, {}),
         ("torus:288", {}, 12000, {"error_measure": "rms"}),
         ("torus:288", {}, 9000, {"error_measure": "rms", "pack_error": 0.0}),
         ("torus:288", {"with_depth": 0}, 9000, {"error_measure": "rms"}),

@@ -73,7 +73,7 @@ def measured(
     figures = error_figures(pixel_errors(drawing.pixels, root, whole, None, material, formats))
     return {
         "triangles": len(triangles),
-        "bytes": 4 * drawing.stats["words"] + state_bytes(triangles),
+        "bytes": 4 * drawing.stats["words"] + state_bytes(triangles, formats),
         "clocks": drawing.stats["clocks"],
         "max": figures.largest,
         "rms": figures.rms,

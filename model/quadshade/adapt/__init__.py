@@ -14,7 +14,7 @@ from quadshade.adapt.highlight import (
     potentially_highlighted,
     with_neighbours,
 )
-from quadshade.adapt.plan import Adapted, Rival
+from quadshade.adapt.result import Adapted, Rival
 from quadshade.scene.subdivide import insert_vertices, refine, shared_edges, split_edges
 
 __all__ = [

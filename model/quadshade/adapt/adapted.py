@@ -14,8 +14,9 @@ from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.adapt.phong_pixels import PhongPixels
-from quadshade.adapt.plan import Adapted, LineCount, Planner, Rival
+from quadshade.adapt.plan import LineCount, Planner
 from quadshade.adapt.refit import Refit
+from quadshade.adapt.result import Adapted, Rival
 from quadshade.adapt.shader import Shader
 from quadshade.choices import ADAPTIVE_FITS, MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats

@@ -15,7 +15,8 @@ from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import EQUALISING, HALF_COUNTS, HALF_POINTS, NODES, POINTS
 from quadshade.adapt.shader import MORE_LINEAR, Choice, Options, Shader
 from quadshade.adapt.small_triangles import PixelCentres
-from quadshade.contract.formats import CONSTANT, Formats
+from quadshade.contract.formats import CONSTANT, POWER_MANTISSA_BITS, Formats
+from quadshade.golden.shade.render_core import first_entry
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
@@ -39,6 +40,10 @@ FARTHEST = 6
 """Times what is wanted: combinations that are off by more when fitted apart are not fitted together."""
 STEPS = 16
 """Of fitting together."""
+ROUGH = 0.05
+"""Output units that a power table's entries may cost where channels do not reach its finest ones."""
+FEWEST_OCTAVES, MOST_OCTAVES = 3, 8
+"""Of a table. With fewer, places far from 1 would be coarser too; with more, channels reach up to 1."""
 TABLE_ERROR = 0.04
 """Of the output for a light of 1: the power table's and the lane's rounding (docs/explanation/shade.md)."""
 
@@ -70,10 +75,18 @@ class CosineShader(Shader):
         super().__init__(lights, material, formats, projected, measure, place)
         self.names = tuple(f"{kind}{index}" for kind in "ds" for index in range(count))
         self.strength = light_strength(projected, self.pointed, POINTS)
-        self.state = specular_state(formats, self.lights, self.material, self.strength, power=self.power)
         # Output units that a channel's full value adds, (lights, 3), and the exponent.
         colours = light_colours(self.pointed, self.material, self.strength)
         self.diffuse, self.specular = (self.full * colour for colour in colours)
+        self.reach, rough = self._reach(material.exponent, self.specular) if self.power else (1.0, 0.0)
+        self.table_error = TABLE_ERROR * self.specular.max(axis=1).sum() / self.full + rough
+        self.gain = np.repeat([1.0, self.reach], count)
+        self.state = specular_state(
+            formats, self.lights, self.material, self.strength, power=self.power, reach=self.reach
+        )
+        if self.power:
+            value = int(self.reach * ((1 << formats.lane_value_bits) - 1))
+            self.first = first_entry(value, self.state, formats)
         self.ambient = self.full * ambient_colour(self.lights, self.material)
         self.exponent = self.material.exponent if self.power else 1.0
         norm = np.max if measure == "max" else np.linalg.norm
@@ -94,6 +107,22 @@ class CosineShader(Shader):
         all_orders = len(self.orders) ** (2 * count)
         combinations = product(range(len(self.orders)), repeat=2 * count)
         self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
+
+    @staticmethod
+    def _reach(exponent: float, specular: np.ndarray) -> tuple[float, float]:
+        """
+        How far up channels carry cosines, and what the entries there cost, in output units.
+
+        Below 1 - 2**-k a power table has k octaves. Between its places it is a chord of the power, off by an
+        eighth of the second derivative times the square of their distance at most.
+        """
+        for octaves in range(FEWEST_OCTAVES, MOST_OCTAVES):
+            reach = 1 - 0.5**octaves
+            step = 0.5**octaves / (1 << POWER_MANTISSA_BITS) / reach
+            rough = exponent * (exponent - 1) / 8 * step**2 * specular.sum(axis=0).max()
+            if rough <= ROUGH:
+                return reach, float(rough)
+        return 1.0, 0.0
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, k) of (n, k, channels) options."""
@@ -119,12 +148,12 @@ class CosineShader(Shader):
         for rows, arrays in zip((large_rows, centres.rows), fitted, strict=True):
             joint_errors(self.kind, *arrays, options, rows, errors)
         errors[large_rows] *= self.margin
-        samples *= self.full
+        samples *= self.full * self.gain[:, None, None]
         bounds, packets = self.set_up(projected, samples[:, :, -1])
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
-        bounds[:, len(diffuse) :] *= specular * self._steepest(*grid)
-        bound = (bounds.sum(axis=1) + TABLE_ERROR * specular.sum()) / self.full
+        bounds[:, len(diffuse) :] *= specular * self._steepest(*grid) / self.reach
+        bound = bounds.sum(axis=1) / self.full + self.table_error
         return Assessed(centres.pixels, bound, packets, samples, errors, options, self.words(options))
 
     def _steepest(self, facing: np.ndarray, towards: np.ndarray) -> np.ndarray:
@@ -173,7 +202,7 @@ class CosineShader(Shader):
             picked = np.ascontiguousarray(orders[rows, option])
             errors[rows, option] = fit_together(self.kind, mine, picked, own, true, STEPS)
             samples[rows, option] = own
-        return Options(orders, samples * self.full, errors)
+        return Options(orders, samples * (self.full * self.gain[:, None]), errors)
 
     def _options(self, errors: np.ndarray) -> np.ndarray:
         """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""

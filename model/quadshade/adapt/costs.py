@@ -13,8 +13,9 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import Pixels, ScreenTriangles
 from quadshade.engine import draw
+from quadshade.golden.shade.render_core import needed_writes
 from quadshade.scene.project import Projected
-from quadshade.setup.packet import packet_words
+from quadshade.setup.packet import pack, packet_words
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
@@ -77,21 +78,25 @@ def error_figures(errors: np.ndarray, allowed: float = np.inf) -> ErrorFigures:
     return ErrorFigures(float(errors.max()), float(np.sqrt((errors**2).mean())), float(over))
 
 
-def shade_bytes(state: ShadeState | None) -> int:
-    """Bytes of the shade unit's state: colours and power tables."""
-    return 0 if state is None else 4 * len(state.writes())
+def shade_bytes(state: ShadeState | None, first: int = 0) -> int:
+    """Bytes of the shade unit's state: colours, and power tables from an entry on."""
+    return 0 if state is None else 4 * len(state.writes(first))
 
 
-def state_bytes(triangles: ScreenTriangles) -> int:
-    """Bytes of the shade unit's state that triangles are drawn with."""
-    return shade_bytes(triangles.shade)
+def state_bytes(triangles: ScreenTriangles, formats: Formats) -> int:
+    """Bytes of the shade unit's state that triangles are drawn with: of tables what their pixels read."""
+    state = triangles.shade
+    if state is None or not state.tables.size:
+        return shade_bytes(state)
+    words = pack(setup_triangles(triangles, formats, limit=MAX_ERROR), formats)
+    return 4 * len(needed_writes(words, state, formats))
 
 
 def stream_bytes(triangles: ScreenTriangles, formats: Formats) -> int:
     """Bytes of the set-up stream and, before it, of the shade unit's state."""
     primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
     words = packet_words(primitives.orders, primitives.header["has_second"], formats)
-    return 4 * int(words.sum()) + state_bytes(triangles)
+    return 4 * int(words.sum()) + state_bytes(triangles, formats)
 
 
 def core_clocks(triangles: ScreenTriangles, formats: Formats) -> int:

@@ -204,7 +204,7 @@ class Curve:
             if unit == "bytes" and self.least_bytes(index) > most:
                 return False
             plan = self.plan(index)
-            if plan.cost(unit) > most and not self._has_another(plan):
+            if plan.least_cost(unit) > most and not self._has_another(plan):
                 return False
             return add(index)
 
@@ -215,7 +215,7 @@ class Curve:
         for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
-            dear = dear + 1 if self.plan(index).cost(unit) > enough else 0
+            dear = dear + 1 if self.plan(index).least_cost(unit) > enough else 0
             if dear == MISSES:
                 break
             draw(index)

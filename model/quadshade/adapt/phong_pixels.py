@@ -50,7 +50,8 @@ def _compare(
     outside: Ints,
 ) -> int:
     """
-    Draw packets and compare their pixels: (parts, 3) largest, sum of squares and count.
+    Draw packets and compare their pixels: (parts, 4) largest, sum of squares, count, and the highest value of
+    a lane with a power table.
 
     ``outside`` (k, 6) gets part, x, y and the value of pixels that the undivided triangle does not have: a
     part's corners are rounded. Returned is how many.
@@ -81,6 +82,11 @@ def _compare(
                 low, high = left[row], left[row] + places[row + 1] - places[row]
             begin = places[row] - low if high > low else 0
             worst, square = 0.0, 0.0
+            for number in range(len(given.tables)):
+                if not given.linear >> number & 1:
+                    lane = len(given.coefficients) - len(given.tables) + number
+                    for pixel in range(index, index + pixels):
+                        errors[part, 3] = max(errors[part, 3], float(value[pixel, lane]))
             for pixel in range(index, index + pixels):
                 if not low <= x[pixel] < high:
                     if found < len(outside):
@@ -178,12 +184,14 @@ class PhongPixels:
 
         Returns
         -------
-        (n, 3) float64
-          Largest difference of any channel, sum of squared differences over pixels and channels, pixels.
+        (n, 4) float64
+          Largest difference of any channel, sum of squared differences over pixels and channels, pixels, and
+          the highest value of a lane with a power table, -1 without one.
         """
         primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
         decoded = decode_packets(pack(primitives, formats), formats.core)
-        errors, shaded = np.zeros((len(triangles), 3)), bool(formats.with_shade)
+        errors, shaded = np.zeros((len(triangles), 4)), bool(formats.with_shade)
+        errors[:, 3] = -1
         given = NO_SHADE
         if shaded:
             state = colour_state(formats) if triangles.shade is None else triangles.shade
@@ -192,7 +200,7 @@ class PhongPixels:
         arguments = decoded, primitives.triangle, root, shaded, given, *self.pixels
         found = _compare(*arguments, errors, outside)
         if found > len(outside):
-            errors, outside = np.zeros_like(errors), np.empty((found, 6), np.int64)
+            errors[:, :3], outside = 0, np.empty((found, 6), np.int64)
             _compare(*arguments, errors, outside)
         if found:
             part, x, y = outside[:found, :3].T

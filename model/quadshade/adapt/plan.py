@@ -6,17 +6,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, choose_orders, divide, settle
-from quadshade.adapt.costs import core_clocks, state_bytes, stream_bytes
+from quadshade.adapt.costs import core_clocks, stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.adapt.phong_pixels import PhongPixels
+from quadshade.adapt.result import Adapted
 from quadshade.adapt.shader import Shader, Surface, chosen_samples
 from quadshade.contract.formats import CONSTANT, ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.golden.shade.render_core import first_entry
 from quadshade.packing.line import picture_line_bytes
 from quadshade.scene.project import Projected
 
@@ -30,98 +31,6 @@ OTHER_TIGHTEN, OTHER_AGREE = 0.95, 0.05
 """Of the other way to plan, which is tried where much is divided."""
 MUCH = 1.1
 """Triangles, over those of the undivided mesh."""
-
-
-class Rival(NamedTuple):
-    """
-    What is known of the next best kind of channels.
-
-    Attributes
-    ----------
-    shading : str
-    bytes : int or None
-      Of its picture; where none was drawn because it could not win, what it would take at least, about.
-    error : float or None
-      As of :class:`Adapted`, where it was drawn.
-    reason : str
-      Why there is no picture of that kind; empty where there is one.
-    """
-
-    shading: str
-    bytes: int | None = None
-    error: float | None = None
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class Adapted:
-    """
-    What is to be drawn, and what it is made of.
-
-    Attributes
-    ----------
-    triangles : ScreenTriangles
-    projected : Projected
-      The same triangles in the scene.
-    root : (n,) int64
-      Triangle of the undivided mesh that each is a part of.
-    roots : int
-    measure : str
-      ``max`` or ``rms``.
-    error : float
-      In output units against Phong shading, by that measure, the output's rounding included.
-    verified : bool
-      The error is that of every pixel that the golden model draws. Else it is an estimate from samples, and
-      no bound.
-    shading : str
-      ``quadratic`` (red, green, blue), ``quadratic-specular`` (diffuse and specular cosines) or
-      ``quadratic-lights`` (diffuse and specular parts).
-    formats : Formats
-      Of the core that draws it.
-    rival : Rival or None
-      Where other kinds of channels were tried, what is known of the next best.
-    line_bytes : int or None
-      The most that it takes on the serial line, where the budget was one of these.
-    fit : str
-      ``minimax`` where parts are fitted anew, which took less; else ``six-point``.
-    """
-
-    triangles: ScreenTriangles
-    projected: Projected
-    root: np.ndarray
-    roots: int
-    measure: str
-    error: float
-    verified: bool
-    shading: str
-    formats: Formats
-    rival: Rival | None = None
-    line_bytes: int | None = None
-    fit: str = "six-point"
-
-    def mix(self) -> dict[str, Any]:
-        """Counts for reports: shading, triangles sent, divided ones, and triangles and channels by order."""
-        orders, names = self.triangles.orders, self.triangles.channels
-        highest = np.bincount(orders.max(axis=1, initial=0), minlength=len(ORDER_NAMES))
-        channels = np.bincount(orders.ravel(), minlength=len(ORDER_NAMES))
-        specular = orders[:, [name.startswith("s") for name in names]]
-        powers = np.bincount(specular.ravel(), minlength=len(ORDER_NAMES))
-        return {
-            "adaptive_shading": self.shading,
-            "fit": self.fit,
-            "rival": None if self.rival is None else self.rival._asdict(),
-            "state_bytes": state_bytes(self.triangles),
-            "line_bytes": self.line_bytes,
-            "specular_by_order": dict(zip(ORDER_NAMES, map(int, powers), strict=True)),
-            "triangles_of_mesh": self.roots,
-            "divided": int((np.bincount(self.root, minlength=self.roots) > 1).sum()),
-            "triangles": len(self.root),
-            "triangles_by_order": dict(zip(ORDER_NAMES, map(int, highest), strict=True)),
-            "channels_by_order": dict(zip(ORDER_NAMES, map(int, channels), strict=True)),
-            "error_measure": self.measure,
-            "error": self.error,
-            "error_verified": self.verified,
-        }
 
 
 class Planner:
@@ -149,7 +58,7 @@ class Planner:
         if phong is None:
             phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
         self.projected, self.phong = projected, phong
-        self._numbers, self._drawn = PairNumbers(), np.empty((0, 3))
+        self._numbers, self._drawn = PairNumbers(), np.empty((0, 4))
 
     @cached_property
     def whole(self) -> Surface:
@@ -200,7 +109,7 @@ class Planner:
         words = len(heads) * flat - shader.second_words * int((heads["rows_second"] == 0).sum())
         more = shader.least_more(self.phong.ranges > 2 * max_error)
         words += np.minimum(more, flat - shader.second_words).sum()
-        return 4 * int(words) + shader.state_bytes
+        return 4 * int(words) + shader.state_bytes()
 
     def divides_much(self, max_error: float) -> bool:
         """Whether no order is good enough for many of the undivided triangles."""
@@ -208,9 +117,11 @@ class Planner:
         wanting = choose_orders(self.whole, self.shader, goal).wanting
         return bool(wanting.sum() > (MUCH - 1) * len(wanting))
 
-    def bytes_of(self, surface: Surface, orders: np.ndarray) -> int | None:
+    def bytes_of(self, surface: Surface, orders: np.ndarray, first: int | None = None) -> int | None:
         """
         What (n, channels) orders take on a surface, from what is known of its parts' packets.
+
+        Power tables are counted from their entry ``first`` on; by default what they take at least, about.
 
         None where a part's words may be so coarse that the set-up divides it.
         """
@@ -219,7 +130,7 @@ class Planner:
             return None
         one_edge = self.shader.second_words * (packets[:, 0] - packets[:, 1]).sum()
         words = self.shader.words(orders) @ packets[:, 0] - one_edge
-        return 4 * int(np.rint(words)) + self.shader.state_bytes
+        return 4 * int(np.rint(words)) + self.shader.state_bytes(first)
 
     def for_limit(self, max_error: float, verify: bool) -> Plan:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
@@ -281,7 +192,7 @@ class Planner:
         if len(rows):
             errors = self.phong.errors(triangles.ordered(rows), surface.root[rows], self.shader.formats)
             if len(self._drawn) < len(self._numbers):
-                self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 3))])
+                self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 4))])
             self._drawn[new[new >= known]] = errors
         table = self._drawn[number]
         return PartErrors(*table.T)
@@ -300,11 +211,14 @@ class PartErrors:
       Sum of the squared differences over pixels and colours.
     pixels : (n,) float64
       How many were drawn.
+    highest : (n,) float64
+      The highest value of a lane with a power table, -1 without one.
     """
 
     largest: np.ndarray
     square: np.ndarray
     pixels: np.ndarray
+    highest: np.ndarray
 
     def by(self, measure: str) -> float:
         """The error of the picture: the largest or the root mean square."""
@@ -349,10 +263,28 @@ class Plan:
         """What it takes, in ``bytes``, ``clocks`` or bytes on the ``line``."""
         return int(getattr(self, unit))
 
+    def least_cost(self, unit: str) -> int:
+        """The same at least, of a plan that is not drawn for it."""
+        return self.least_bytes if unit == "bytes" else self.cost(unit)
+
+    @cached_property
+    def first(self) -> int:
+        """The first entry of power tables that it reads; it is drawn for that."""
+        shader = self.planner.shader
+        if shader.state is None or not shader.state.tables.size:
+            return 0
+        highest = int(self.drawn().highest.max(initial=-1))
+        return first_entry(highest, shader.state, shader.formats)
+
+    @cached_property
+    def least_bytes(self) -> int:
+        """What it takes at least: power tables are counted without drawing."""
+        return self.planner.bytes_of(self.surface, self.decision.orders) or 0
+
     @cached_property
     def bytes(self) -> int:
         """What the set-up stream and the shade unit's state take."""
-        known = self.planner.bytes_of(self.surface, self.decision.orders)
+        known = self.planner.bytes_of(self.surface, self.decision.orders, self.first)
         return stream_bytes(self.triangles, self.planner.shader.formats) if known is None else known
 
     @cached_property

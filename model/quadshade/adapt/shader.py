@@ -119,6 +119,7 @@ class Shader:
         self.measure, self.whole = measure, projected
         self.margin = MARGIN if measure == "max" else 1.0
         self.memory = PartMemory(self.assess)
+        self._state_bytes: dict[int, int] = {}
         self.formats = Formats() if formats is None else formats
         self.material = Material() if material is None else material
         self.lights = default_lights(projected.axes) if lights is None else lights
@@ -136,10 +137,15 @@ class Shader:
         if self.formats.with_depth:
             self.packet_words += NUM_DIFFERENCES[LINEAR] * share[-1]
 
-    @cached_property
-    def state_bytes(self) -> int:
-        """Of the shade unit's state."""
-        return shade_bytes(self.state)
+    first = 0
+    """Of power tables, where there are any: pictures read little before this entry."""
+
+    def state_bytes(self, first: int | None = None) -> int:
+        """Of the shade unit's state, its tables from an entry on; by default :attr:`first`."""
+        first = self.first if first is None else first
+        if first not in self._state_bytes:
+            self._state_bytes[first] = shade_bytes(self.state, first)
+        return self._state_bytes[first]
 
     def surface(self, projected: Projected) -> Surface:
         """An undivided mesh, shaded and fitted."""

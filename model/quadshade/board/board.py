@@ -35,7 +35,7 @@ from quadshade.golden.board import DrawnScreen
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
-from quadshade.packing.pack import pack_primitives
+from quadshade.packing.pack import pack_primitives, packed_writes
 from quadshade.setup.triangle_setup import setup_triangles
 
 REDRAWS = 5
@@ -216,9 +216,7 @@ class Board(BoardReader):
 
     def _begin(self, word: int) -> None:
         """CLEAR, and a journal that begins with it."""
-        self._journal = []
-        self._pixels = []
-        self._is_shown = False
+        self._journal, self._pixels, self._is_shown = [], [], False
         if self._registers:
             known = dict(self._registers)
             self._journal.append(lambda: self._send_state(known))
@@ -236,11 +234,12 @@ class Board(BoardReader):
             self._expected.swap()
             self._is_shown = True
 
-    def state(self, state: ShadeState) -> None:
-        """Load the shade unit's registers and tables."""
+    def state(self, state: ShadeState, words: np.ndarray | None = None) -> None:
+        """Load the shade unit's registers and tables; of tables only what (m,) uint32 packed words read."""
         if not self.formats.with_shade:
             raise QuadshadeError("the board has no shade unit", "use a --shading of colours")
-        self._write({int(address): int(word) for address, word in state.writes()})
+        writes = state.writes() if words is None else packed_writes(words, state, self.formats)
+        self._write({int(address): int(word) for address, word in writes})
 
     def _write(self, written: dict[int, int]) -> None:
         """Registers of the shade unit, those that change."""
@@ -294,10 +293,10 @@ class Board(BoardReader):
             matched = replace(matched, depth=None)
         for text in notices:
             self._notice(text)
-        if matched.shade is not None:
-            self.state(matched.shade)
         primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
         words = pack_primitives(primitives, self.formats, pack_error, matched.shade).words
+        if matched.shade is not None:
+            self.state(matched.shade, words)
         self.send(words, len(triangles))
 
     def send(self, words: np.ndarray, triangles: int = 0) -> None:

@@ -87,12 +87,12 @@ class ShadeState:
             0,
         )
 
-    def writes(self) -> np.ndarray:
-        """(m, 2) uint32: addresses and data that load this state."""
+    def writes(self, first: int = 0) -> np.ndarray:
+        """(m, 2) uint32: addresses and data that load this state, of its tables from an entry on."""
         rows = [
-            (table * TABLE_WORDS + index, word)
+            (table * TABLE_WORDS + first + index, word)
             for table, words in enumerate(self.tables.tolist())
-            for index, word in enumerate(words)
+            for index, word in enumerate(words[first:])
         ]
         for row, colours in enumerate([*self.coefficients.tolist()]):
             rows += [(STATE_REGISTERS + 4 * row + column, value) for column, value in enumerate(colours)]
@@ -162,9 +162,9 @@ def curve_table(curve: Curve, formats: Formats) -> np.ndarray:
     return levels[:-1] | levels[1:] << np.uint32(POWER_BITS)
 
 
-def power_curve(exponent: float) -> Curve:
-    """The curve x**exponent."""
-    return lambda cosine: cosine**exponent
+def power_curve(exponent: float, reach: float = 1.0) -> Curve:
+    """The curve (x / reach)**exponent, where x is a cosine times ``reach``: 1 at most."""
+    return lambda cosine: np.minimum(cosine / reach, 1.0) ** exponent
 
 
 def channel_gains(state: ShadeState, formats: Formats) -> np.ndarray:

@@ -153,7 +153,8 @@ def pack_frame(
     depth_bits = formats.depth_bits if formats.with_depth else None
     screen = Screen(triangles.width, triangles.height, formats.emitted_channels, depth_bits)
     screen.clear(colour)
-    pixels = render_core.draw(unpack(batch.words, formats), formats, state)
+    words = unpack(batch.words, formats)
+    pixels = render_core.draw(words, formats, state)
     value, channels = pixels.value, formats.emitted_channels
     screen.draw(pixels.x, pixels.y, value[:, :channels], value[:, channels] if formats.with_depth else None)
     frame = FrameFile(
@@ -164,7 +165,7 @@ def pack_frame(
         batch.words,
         len(np.unique(primitives.triangle)),
         len(primitives),
-        () if state is None else state_runs(state.writes()),
+        () if state is None else state_runs(render_core.needed_writes(words, state, formats)),
         screen.frame_crc(COLOUR),
         screen.frame_crc(DEPTH) if formats.with_depth else 0,
     )

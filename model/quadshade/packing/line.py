@@ -5,13 +5,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import CRC_BYTES, HEADER_BYTES, MAX_PAYLOAD, WORD_BYTES
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.packing.frame_file import state_runs
-from quadshade.packing.pack import pack_primitives
+from quadshade.packing.pack import pack_primitives, packed_writes
 from quadshade.setup.triangle_setup import setup_triangles
 
 COBS_RUN = 254
@@ -66,12 +68,13 @@ def picture_line_bytes(
     """
     primitives = setup_triangles(triangles, formats, limit=limit, **setup)
     words = pack_primitives(primitives, formats, error, triangles.shade).words
-    return frame_bytes(WORD_BYTES) + _state_bytes(triangles.shade, formats) + frames_bytes(len(words))
+    return frame_bytes(WORD_BYTES) + _state_bytes(triangles.shade, words, formats) + frames_bytes(len(words))
 
 
-def _state_bytes(state: ShadeState | None, formats: Formats) -> int:
-    """Of STATE frames, each with its address, if all registers were to be written."""
+def _state_bytes(state: ShadeState | None, words: np.ndarray, formats: Formats) -> int:
+    """Of STATE frames, each with its address, if all that packed words need were to be written."""
     if not formats.with_shade:
         return 0
-    writes = (colour_state(formats) if state is None else state).writes()
+    given = colour_state(formats) if state is None else state
+    writes = packed_writes(words, given, formats)
     return sum(frames_bytes(len(words), WORD_BYTES) for _, words in state_runs(writes))

@@ -30,6 +30,7 @@ from quadshade.contract.packed_format import (
 from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
+from quadshade.golden.shade.render_core import needed_writes
 from quadshade.packing.read_primitives import signed
 from quadshade.packing.widths import Needs, hold
 from quadshade.setup.packet import Primitives, field_values
@@ -307,3 +308,10 @@ def unpack(words: np.ndarray, formats: Formats) -> np.ndarray:
     if unpacker.within:
         raise QuadshadeError("the packed words end within a packet", "send whole packets")
     return setup_words
+
+
+def packed_writes(words: np.ndarray, state: ShadeState, formats: Formats) -> np.ndarray:
+    """(k, 2) uint32 addresses and data that load a state for packed words: of its tables what they read."""
+    if not state.tables.size:
+        return state.writes()
+    return needed_writes(unpack(words, formats), state, formats)

@@ -212,6 +212,7 @@ def specular_state(
     strength: np.ndarray,
     curves: tuple[Curve, Curve] | None = None,
     power: bool = True,
+    reach: float = 1.0,
 ) -> ShadeState:
     """
     Colours and tables of the shade unit for a scene.
@@ -228,6 +229,9 @@ def specular_state(
       As for :func:`sample_specular`.
     power : bool
       Without it specular channels skip their tables: they carry the power itself.
+    reach : float
+      Specular channels carry so many times the cosine: the less, the fewer entries of a table are read, and
+      the coarser they are.
 
     Returns
     -------
@@ -247,7 +251,7 @@ def specular_state(
         raise UnsuitedError(f"a light reflects {coefficients.max():.3g}, not less than {COEFFICIENT_LIMIT}")
     others = formats.num_channels - first_specular
     if curves is None:
-        tables = [power_curve(material.exponent)] * others
+        tables = [power_curve(material.exponent, reach)] * others
     else:
         tables = [curves[0]] * first_specular + [curves[1]] * others
     gated = (1 << len(pointed)) - 1 if curves is None else 0

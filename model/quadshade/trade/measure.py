@@ -154,7 +154,7 @@ def measure(point: Point, stage: Stage, base: Formats, engine: str) -> Measured:
     quality = psnr(picture, reference)
     difference = picture.astype(np.float64) - reference
     stats = drawing.stats
-    size = stats["words"] * (SETUP_WORD_BITS // 8) + state_bytes(triangles)
+    size = stats["words"] * (SETUP_WORD_BITS // 8) + state_bytes(triangles, formats)
     record |= {
         "psnr": quality if math.isfinite(quality) else None,
         "rms": float(np.sqrt(np.mean(difference**2))),

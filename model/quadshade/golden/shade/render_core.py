@@ -64,15 +64,23 @@ class ShadeGiven(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _power(value: Int, table: Ints, lane_value_bits: int) -> Int:
-    """The curve at a lane's value, as ``power_table.power_table``."""
+def _interval(value: Int, lane_value_bits: int) -> tuple[Int, Int]:
+    """The entry of a power table at a lane's value, and the distance with the fraction below the entry's."""
     fraction_bits = lane_value_bits - POWER_MANTISSA_BITS - 1
     far = (np.int64(1) << lane_value_bits) - 1 - value
     octave = 0
     while far >> octave >= 2 << POWER_MANTISSA_BITS:
         octave += 1
     shifted = far << (fraction_bits - octave)
-    word = table[(octave << POWER_MANTISSA_BITS) + (shifted >> fraction_bits)]
+    return (octave << POWER_MANTISSA_BITS) + (shifted >> fraction_bits), shifted
+
+
+@numba.njit(cache=True)
+def _power(value: Int, table: Ints, lane_value_bits: int) -> Int:
+    """The curve at a lane's value, as ``power_table.power_table``."""
+    fraction_bits = lane_value_bits - POWER_MANTISSA_BITS - 1
+    entry, shifted = _interval(value, lane_value_bits)
+    word = table[entry]
     here, there = word & ((1 << POWER_BITS) - 1), word >> POWER_BITS
     product = (there - here) * (shifted & ((1 << fraction_bits) - 1))
     return here + ((product + (1 << (fraction_bits - 1))) >> fraction_bits)
@@ -104,6 +112,50 @@ def shade_values(value: np.ndarray, given: ShadeGiven) -> np.ndarray:
         for colour in range(SHADED_COLOURS):
             out[index, colour] = min(level[colour] >> COEFFICIENT_FRAC_BITS, largest)
     return out
+
+
+def first_entry(highest: int, state: ShadeState, formats: Formats) -> int:
+    """
+    The first entry of the power tables that is read: entries lie the farther in front the higher a value.
+
+    Parameters
+    ----------
+    highest : int
+      The highest value of any lane that has a table; less than 0 where there is no pixel.
+    state : ShadeState
+    formats : Formats
+
+    Returns
+    -------
+    int
+      As many as a table has where none is read.
+    """
+    entries = state.tables.shape[1]
+    return entries if highest < 0 else min(int(_interval(highest, formats.lane_value_bits)[0]), entries)
+
+
+def needed_writes(words: np.ndarray, state: ShadeState, formats: Formats) -> np.ndarray:
+    """
+    What loads a state for a picture: of the power tables only what its pixels read.
+
+    Parameters
+    ----------
+    words : (m,) uint32
+      Set-up words of the picture; it is drawn once.
+    state : ShadeState
+    formats : Formats
+
+    Returns
+    -------
+    (k, 2) uint32
+      Addresses and data.
+    """
+    if not state.tables.size:
+        return state.writes()
+    value = draw_fast(words, formats.core).value[:, formats.num_channels - formats.num_specular :]
+    tables = [number for number in range(formats.num_specular) if not state.linear >> number & 1]
+    highest = int(value[:, tables].max(initial=-1))
+    return state.writes(first_entry(highest, state, formats))
 
 
 def shade_given(state: ShadeState, formats: Formats) -> ShadeGiven:
