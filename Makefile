@@ -197,6 +197,10 @@ faults: setup ## inject a million faults into the link's frames, write docs/repo
 faults-boards: setup ## kill boards that share pictures on bad lines, write docs/reports/faults_boards.md
 	@$(VENV) -m scripts.experiments.pool_faults
 
+.PHONY: scale
+scale: setup ## tiles against one screen, and pictures shared by boards, write docs/reports/scale.md
+	@$(VENV) -m scripts.experiments.scale
+
 .PHONY: faults-rtl
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
 	@$(VENV) -m scripts.experiments.link_faults_rtl

@@ -16,6 +16,7 @@ from quadshade.golden.core.raster_core import draw_scalar
 from quadshade.golden.screen.screen import Screen
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.refit import picture_formats, refit, why_unfit
+from quadshade.setup.short_edges import short_edges
 from quadshade.setup.tile import Cuttable, Rectangle
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.golden_stimuli import triangles_of
@@ -74,6 +75,23 @@ def test_tiles_have_the_pixels_of_the_whole(name: str, size: tuple[int, int], fr
         assert (inside & (rows[:, 2] >= tile.left) & (rows[:, 2] < tile.right)).all()
         parts.append(rows)
     assert np.array_equal(in_order(np.concatenate(parts)), pixel_rows(primitives, formats))
+
+
+@pytest.mark.parametrize("fractional", (False, True))
+@pytest.mark.parametrize("name", FORMATS)
+def test_cores_that_share_scanlines_have_the_pixels_of_the_whole(name: str, fractional: bool) -> None:
+    formats = FORMATS[name]
+    triangles, primitives = whole(formats, seed=7, fractional=fractional)
+    cuttable, expected = Cuttable(primitives, formats), pixel_rows(primitives, formats)
+    for cores in (1, 2, 3, 5):
+        parts = []
+        for core in range(cores):
+            part = cuttable.interleaved(cores, core, triangles.width, triangles.height)
+            part = replace(part, edges=short_edges(part, 1 << 12))
+            rows = pixel_rows(part, formats)
+            rows[:, 1] = cores * rows[:, 1] + core
+            parts.append(rows)
+        assert np.array_equal(in_order(np.concatenate(parts)), expected), cores
 
 
 def test_every_seam_of_one_triangle() -> None:

@@ -95,6 +95,7 @@ def compute(folder: Path) -> None:
         whole = Cuttable(setup_triangles(crossing, formats, fractional=fractional), formats)
         for where_cut in (Rectangle(3, 2, 5, 6), Rectangle(0, 0, 12, 10)):
             terms[f"{name}{where_cut.width}"] = whole.to(where_cut).words
+        terms[f"{name}_shared"] = whole.interleaved(2, 1, 12, 10).words
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 
 

@@ -26,6 +26,16 @@ from quadshade.setup.packet import Primitives, cut_of, edges_of, header_of
 from quadshade.setup.sides import Extent, Line, Sides, empty_sides, line_column, push_edge
 
 
+class Rows(NamedTuple):
+    """Which scanlines are drawn: every ``stride``-th one from ``first`` on, as a picture of their own."""
+
+    stride: int
+    first: int
+
+
+EVERY_ROW = Rows(1, 0)
+
+
 class Rectangle(NamedTuple):
     """A part of a picture, in pixels."""
 
@@ -56,53 +66,55 @@ def _line(edge: EdgeState, since: int, mirror: int) -> Line:
 
 
 @njit(cache=True)
-def _push(runs: Records, count: int, line: Line, end: int, height: int, width: int) -> int:
-    """Append to a side the scanlines of a line that are on the rectangle, before ``end``."""
+def _place(y: int, rows: Rows, top: int) -> int:
+    """The first scanline of a rectangle that is drawn and not above a scanline of the picture."""
+    return -((rows.first - y) // rows.stride) - top
+
+
+@njit(cache=True)
+def _push(runs: Records, count: int, line: Line, end: int, rows: Rows, where: Rectangle) -> int:
+    """Append to a side the scanlines of a line, before ``end`` of the picture, that are on the rectangle."""
     m, dx, dy, since = line
-    start = max(since, 0)
-    moved = Line(m + (start - since) * dx, dx, dy, start)
-    return push_edge(runs, count, min(end, height), moved, 0, 0, width)
+    start = max(_place(since, rows, where.top), 0)
+    behind = (start + where.top) * rows.stride + rows.first - since
+    moved = Line(m + behind * dx - where.left * dy, dx * rows.stride, dy, start)
+    last = min(_place(end, rows, where.top), where.height)
+    return push_edge(runs, count, last, moved, 0, 0, where.width)
 
 
 @njit(cache=True)
-def _moved(line: Line, left: int) -> Line:
-    """A line, its columns counted from another one."""
-    return Line(line.m - left * line.dy, line.dx, line.dy, line.y)
-
-
-@njit(cache=True)
-def _part(head: Head, edges: Records, where: Rectangle, sides: Sides, out: Cut, count: int) -> int:
+def _part(
+    head: Head, edges: Records, where: Rectangle, rows: Rows, sides: Sides, out: Cut, count: int
+) -> int:
     """Append the parts of one primitive that are on a rectangle, in the rectangle's coordinates."""
-    mirror, y = head.mirror, head.y - where.top
+    mirror, y = head.mirror, head.y
     knee, end = y + head.rows_first, y + head.rows_first + head.rows_second
-    first, last = max(y, 0), min(end, where.height)
+    first, last = max(_place(y, rows, where.top), 0), min(_place(end, rows, where.top), where.height)
     if first >= last:
         return count
-    major = _moved(_line(edges[0], y, mirror), where.left)
-    minor = _moved(_line(edges[1], y, mirror), where.left)
     long, broken = (sides.right, sides.left) if mirror else (sides.left, sides.right)
-    longs = _push(long, 0, major, end, where.height, where.width)
-    brokens = _push(broken, 0, minor, knee, where.height, where.width)
+    longs = _push(long, 0, _line(edges[0], y, mirror), end, rows, where)
+    brokens = _push(broken, 0, _line(edges[1], y, mirror), knee, rows, where)
     if end > knee:
-        second = _moved(_line(edges[2], knee, mirror), where.left)
-        brokens = _push(broken, brokens, second, end, where.height, where.width)
+        brokens = _push(broken, brokens, _line(edges[2], knee, mirror), end, rows, where)
     extent = Extent(first, last, brokens, longs) if mirror else Extent(first, last, longs, brokens)
     return join_sides(head.triangle, sides, extent, where.width, out, count)
 
 
 @njit(cache=True)
-def _scanlines(head: Head, edges: Records, where: Rectangle, out: Cut, count: int) -> int:
+def _scanlines(head: Head, edges: Records, where: Rectangle, rows: Rows, out: Cut, count: int) -> int:
     """Append the scanlines of one primitive that are on a rectangle, each by itself."""
     low, high = where.left, where.left + where.width
     if head.mirror:
         low, high = -high, -low
     for row in range(head.rows_first + head.rows_second):
-        y = head.y + row - where.top
+        y = _place(head.y + row, rows, where.top)
+        is_drawn = (head.y + row - rows.first) % rows.stride == 0 and 0 <= y < where.height
         first = row < head.rows_first
         minor = edges[1] if first else edges[2]
         start = max(line_column(_line(edges[0], 0, 0), row), low)
         end = min(line_column(_line(minor, 0, 0), row if first else row - head.rows_first), high)
-        if start >= end or not 0 <= y < where.height:
+        if start >= end or not is_drawn:
             continue
         part = out.heads[count]
         part.triangle, part.y, part.mirror = head.triangle, y, head.mirror
@@ -152,7 +164,14 @@ def _steps(head: Head, edges: Records) -> tuple[int, int]:
 
 @njit(cache=True)
 def _restep(
-    whole: Cut, parts: Cut, where: Rectangle, fractional: Bools, words: Ints, orders: Ints, half: int
+    whole: Cut,
+    parts: Cut,
+    where: Rectangle,
+    drawn: Rows,
+    fractional: Bools,
+    words: Ints,
+    orders: Ints,
+    half: int,
 ) -> tuple[Ints, Ints]:
     """Words and orders of parts (``head.triangle`` is the primitive that each is of)."""
     out = np.zeros((len(parts.heads), words.shape[1], 6), np.int64)
@@ -162,14 +181,14 @@ def _restep(
         q = head.triangle
         old, major = whole.heads[q], whole.edges[q, 0]
         rows, columns = _steps(head, edges)
-        m = head.y + where.top - old.y
+        m, down = (head.y + where.top) * drawn.stride + drawn.first - old.y, drawn.stride
         # u of the primitive is sign * u of the part + shift.
         sign = 1 if head.mirror == old.mirror else -1
         shift = -where.left if old.mirror else where.left
         if sign < 0:
             shift -= 1
         start = sign * edges[0].column + shift
-        along = sign * edges[0].step - major.step
+        along = sign * edges[0].step - down * major.step
         n = start - major.column - m * major.step
         if fractional[q]:
             n = start - line_column(_line(major, 0, 0), m)
@@ -181,12 +200,12 @@ def _restep(
                 made[2] = here - back
                 made[5] = here - 2 * back + _value(given, m, n - 2 * sign)
             if rows > 0:
-                below = _value(given, m + 1, n + along)
+                below = _value(given, m + down, n + along)
                 made[1] = below - here
                 if columns > 0:
-                    made[4] = below - _value(given, m + 1, n + along - sign) - here + back
+                    made[4] = below - _value(given, m + down, n + along - sign) - here + back
                 if rows > 1:
-                    made[3] = _value(given, m + 2, n + 2 * along) - 2 * below + here
+                    made[3] = _value(given, m + 2 * down, n + 2 * along) - 2 * below + here
             levels[p, channel] = CONSTANT
             for difference in range(6):
                 made[difference] = ((made[difference] + half) & (2 * half - 1)) - half
@@ -198,7 +217,14 @@ def _restep(
 
 @njit(cache=True)
 def _cut(
-    whole: Cut, chosen: Ints, inside: Bools, where: Rectangle, fractional: Bools, sides: Sides, out: Cut
+    whole: Cut,
+    chosen: Ints,
+    inside: Bools,
+    where: Rectangle,
+    rows: Rows,
+    fractional: Bools,
+    sides: Sides,
+    out: Cut,
 ) -> int:
     """Cut chosen primitives to a rectangle, ``inside`` those that are all on it; how many parts there are."""
     count = 0
@@ -207,9 +233,9 @@ def _cut(
         if inside[k]:
             count = _whole(head, edges, where, out, count)
         elif fractional[chosen[k]]:
-            count = _scanlines(head, edges, where, out, count)
+            count = _scanlines(head, edges, where, rows, out, count)
         else:
-            count = _part(head, edges, where, sides, out, count)
+            count = _part(head, edges, where, rows, sides, out, count)
     return count
 
 
@@ -287,15 +313,44 @@ class Cuttable:
           They draw every pixel of the whole that is on the rectangle, once, with the same value and depth. A
           channel's order is lower where its part needs no more.
         """
-        chosen, whole = self.touching(where), self.primitives
+        chosen = self.touching(where)
         left, top, right, bottom = self.extents[chosen].T
         inside = (left >= where.left) & (right <= where.right) & (top >= where.top) & (bottom <= where.bottom)
-        most = np.where(self._fractional[chosen], bottom - top, MAX_PRIMITIVES)
-        parts = empty_cut(int(most.sum()) + MAX_PRIMITIVES)
-        count = _cut(self._cut, chosen, inside, where, self._fractional, self._sides, parts)
+        return self._cut_out(chosen, inside, where, EVERY_ROW)
+
+    def interleaved(self, cores: int, core: int, width: int, height: int) -> Primitives:
+        """
+        The scanlines of one of several cores that draw every ``cores``-th one, as rows 0, 1, 2 of its own.
+
+        Parameters
+        ----------
+        cores : int
+        core : int
+          From 0: it draws scanlines core, core + cores and so on.
+        width, height : int
+          Of the whole picture.
+
+        Returns
+        -------
+        Primitives
+          As of :meth:`to`.
+        """
+        rows = Rows(cores, core)
+        where = Rectangle(0, 0, width, max(-((core - height) // cores), 0))
+        everything = np.arange(len(self.primitives))
+        return self._cut_out(everything, np.full(len(everything), cores == 1), where, rows)
+
+    def _cut_out(self, chosen: Ints, inside: Bools, where: Rectangle, rows: Rows) -> Primitives:
+        """Chosen primitives on a rectangle of the scanlines that are drawn; ``inside`` those that are whole."""
+        whole = self.primitives
+        most = np.where(self._fractional[chosen], self.extents[chosen, 3], 0) - self.extents[chosen, 1]
+        parts = empty_cut(int(np.maximum(most, MAX_PRIMITIVES).sum()) + MAX_PRIMITIVES)
+        count = _cut(self._cut, chosen, inside, where, rows, self._fractional, self._sides, parts)
         parts = Cut(parts.heads[:count], parts.edges[:count])
         half = 1 << (self.formats.word_width - 1)
-        words, orders = _restep(self._cut, parts, where, self._fractional, self._words, self._orders, half)
+        words, orders = _restep(
+            self._cut, parts, where, rows, self._fractional, self._words, self._orders, half
+        )
         owner = parts.heads["triangle"]
         return replace(
             whole,
