@@ -44,6 +44,8 @@ entity board is
     buffers : positive := 1;
     -- Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
     colour_bits : positive := 8;
+    -- pixel_packer, so that reading takes fewer bytes on the line.
+    with_packed_read : natural := 1;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
     -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
@@ -76,7 +78,8 @@ architecture rtl of board is
   constant features : natural :=
     with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map
     + with_video * feature_display + (buffers - 1) * feature_two_buffers
-    + boolean'pos(colour_bits = 6) * feature_colours_656 + boolean'pos(colour_bits = 4) * feature_colours_444;
+    + boolean'pos(colour_bits = 6) * feature_colours_656 + boolean'pos(colour_bits = 4) * feature_colours_444
+    + with_packed_read * feature_packed_read;
 
   -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
   function phase_step_of(rate : positive; frequency : positive) return natural is
@@ -119,6 +122,9 @@ architecture rtl of board is
   signal clear_colour : std_ulogic_vector(31 downto 0);
   signal read_x, read_y, read_width, read_count : u_unsigned(15 downto 0);
   signal read_plane, crc_plane : u_unsigned(1 downto 0);
+  signal read_packed, answer_valid, answer_ready, area_valid, area_ready : std_ulogic;
+  signal read_bytes : u_unsigned(9 downto 0);
+  signal answer_data : std_ulogic_vector(7 downto 0);
   signal bytes_valid, bytes_ready, crc_valid, crc_ready, crc_done : std_ulogic;
   signal bytes_data : std_ulogic_vector(7 downto 0);
   signal crc_value : std_ulogic_vector(31 downto 0);
@@ -180,7 +186,8 @@ begin
       swap_valid => swap_valid, swap_ready => swap_ready,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => read_count, read_pixels => open, read_plane => read_plane,
-      read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
+      read_packed => read_packed, read_bytes => read_bytes,
+      read_data_valid => answer_valid, read_data_ready => answer_ready, read_data => answer_data,
       frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
       frame_crc_done => crc_done, frame_crc_value => crc_value
     );
@@ -242,13 +249,35 @@ begin
       swap_valid => swap_valid, swap_ready => swap_ready,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
       pixel_value => drawn_value, pixel_depth => drawn_depth,
-      read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
+      read_valid => area_valid, read_ready => area_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => read_count, read_plane => read_plane,
       read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
       frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
       frame_crc_done => crc_done, frame_crc_value => crc_value,
       video_next => video_next, video_words => video_words
     );
+
+  packed_gen : if with_packed_read = 1 generate
+    packer : entity work.pixel_packer
+      generic map (value_bytes => colours, depth_bytes => depth_bytes)
+      port map (
+        clk => clk, reset => core_reset,
+        read_valid => read_valid, read_ready => read_ready, read_packed => read_packed,
+        read_count => read_count, read_plane => read_plane, answer_bytes => read_bytes,
+        data_valid => answer_valid, data_ready => answer_ready, data => answer_data,
+        area_valid => area_valid, area_ready => area_ready,
+        byte_valid => bytes_valid, byte_ready => bytes_ready, byte_data => bytes_data
+      );
+  end generate;
+
+  raw_gen : if with_packed_read = 0 generate
+    area_valid <= read_valid;
+    read_ready <= area_ready;
+    read_bytes <= read_count(9 downto 0);
+    answer_valid <= bytes_valid;
+    bytes_ready <= answer_ready;
+    answer_data <= bytes_data;
+  end generate;
 
   -- Lights: what happened since the last tick but one.
   events <= (send_busy, fault_seen, not core_done, frame_seen);

@@ -20,6 +20,7 @@ rtl/link/answer_sender.vhd
 rtl/link/command_executor.vhd
 rtl/link/command_decoder.vhd
 rtl/link/word_unpacker.vhd
+rtl/link/pixel_packer.vhd
 rtl/core/setup_loader.vhd
 rtl/core/load_adder.vhd
 rtl/core/edge_dda.vhd

@@ -40,6 +40,7 @@ entity board_tb is
     with_video : natural := 0;
     buffers : positive := 1;
     colour_bits : positive := 8;
+    with_packed_read : natural := 1;
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
     crc_cycles : positive := 1
@@ -82,6 +83,7 @@ begin
       fifo_words => fifo_words, screen_width => screen_width, screen_height => screen_height,
       with_edge_map => with_edge_map, single_port_memory => single_port_memory,
       with_video => with_video, buffers => buffers, colour_bits => colour_bits,
+      with_packed_read => with_packed_read,
       most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles
     )
     port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);

@@ -125,7 +125,11 @@ def test_credits_are_kept(words: np.ndarray) -> None:
     [
         ("magic", 0, "no Quadshade board; is it the right port"),
         ("version", 99, "the board speaks version 99 of the protocol, this host 1; use"),
-        ("definition", 0x1234, r"the board is of no known release \(00001234\), this is release .*; load"),
+        (
+            "definition",
+            0x1234,
+            r"the board is of no known release \(00001234\), this is .* \([0-9a-f]{8}\); load",
+        ),
     ],
 )
 def test_other_boards_are_named(field: str, value: int, message: str) -> None:

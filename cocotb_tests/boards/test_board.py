@@ -56,6 +56,7 @@ class Config:
     with_video: int = 0
     buffers: int = 1
     colour_bits: int = 8
+    with_packed_read: int = 1
 
     @property
     def formats(self) -> Formats:
@@ -77,6 +78,7 @@ class Config:
             self.most_counter_bits,
             self.buffers,
             self.colour_bits,
+            bool(self.with_packed_read),
         )
 
     @property
@@ -105,6 +107,7 @@ CONFIGS = [
         most_counter_bits=16,
         single_buffer=1,
         crc_cycles=4,
+        with_packed_read=0,
         # Its phase step is rounded down.
         baud=15_001,
     ),
@@ -171,7 +174,8 @@ async def scenes(dut: Any) -> None:
                 got = session.ask(Opcode.FRAME_CRC, [{"reserved": 0, "plane": plane}])
                 crc = int.from_bytes(got[0], "little")
                 bench.check("CRC of a plane", crc, drawing.frame_crc(plane), index, plane)
-            areas = [good_area(bench.draw, Reach(*size), 30) for _ in range(3)]
+            reach = Reach(*size, with_packed_read=bool(bench.config.with_packed_read))
+            areas = [good_area(bench.draw, reach, 30) for _ in range(4)]
             found = session.ask(Opcode.READ, areas)
             for at, area in enumerate(areas):
                 bench.check("bytes of an area", found.get(at), drawing.read(**area), at, area)

@@ -19,6 +19,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import (
     BOARD_FIELDS,
     COUNTERS,
+    FEATURES,
     MAGIC,
     VERSION,
     Opcode,
@@ -40,7 +41,9 @@ class Config:
     clk_frequency_hz: int = 100_000_000
     default_phase_step: int = 167772
     fifo_words: int = 64
-    features: int = 21
+    features: int = sum(
+        1 << FEATURES.index(name) for name in ("depth_test", "edge_map", "two_buffers", "packed_read")
+    )
     screen_width: int = 320
     screen_height: int = 240
     colour_bytes: int = 3
@@ -78,7 +81,7 @@ async def one_at_a_time(dut: Any, speed: str) -> None:
     opcodes = [opcode for opcode in Opcode if not opcode.is_answer]
     seen = set()
     for index in range(60):
-        body = random_body(bench.draw, model.receiver, opcodes)
+        body = random_body(bench.draw, model.receiver, opcodes, model.receiver.reach)
         if index < len(opcodes):
             payload = good_payload(bench.draw, opcodes[index])
             body = body_of(opcodes[index], model.receiver.expected, payload)

@@ -17,6 +17,7 @@ from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.protocol import Opcode
 from quadshade.golden.link.command_executor import begin, execute
 from quadshade.golden.link.frame_fifo import FrameFifo
+from quadshade.golden.link.frame_receiver import Reach
 
 PORTS = {
     "setup": ("data",),
@@ -60,7 +61,7 @@ async def run(bench: Bench, source: str, sink: str, opcodes: list[Opcode], most_
     dut, draw, recorder, fifo = bench.dut, bench.draw, CommandRecorder(), FrameFifo(1 << 20)
     words, results = [], []
     for index, opcode in enumerate(opcodes):
-        payload = good_payload(draw, opcode, most_words)
+        payload = good_payload(draw, opcode, most_words, Reach(with_packed_read=True))
         frame = bytes([opcode, index]) + len(payload).to_bytes(2, "little") + payload
         words += [int.from_bytes(frame[at : at + 4], "little") for at in range(0, len(frame), 4)]
         results += [(opcode, index)] if opcode in (Opcode.READ, Opcode.FRAME_CRC) else []

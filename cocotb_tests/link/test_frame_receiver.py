@@ -46,6 +46,7 @@ class Config:
     depth_bytes: int = 2
     with_edge_map: int = 0
     with_swap: int = 1
+    with_packed_read: int = 0
     crc_cycles: int = 1
 
     @property
@@ -53,7 +54,8 @@ class Config:
         """What READ and FRAME_CRC may name."""
         edges = EDGE_BYTES * self.with_edge_map
         planes = (self.colour_bytes, self.depth_bytes, edges, edges)
-        return Reach(self.screen_width, self.screen_height, planes, bool(self.with_swap))
+        features = bool(self.with_swap), bool(self.with_packed_read)
+        return Reach(self.screen_width, self.screen_height, planes, *features)
 
     @property
     def pause(self) -> int:
@@ -64,7 +66,7 @@ class Config:
 CONFIGS = [
     Config(),
     Config(screen_width=64, screen_height=31, colour_bytes=1, depth_bytes=0, with_edge_map=1, crc_cycles=4),
-    Config(screen_width=9, screen_height=6, colour_bytes=4, with_swap=0),
+    Config(screen_width=9, screen_height=6, colour_bytes=4, with_swap=0, with_packed_read=1),
 ]
 
 

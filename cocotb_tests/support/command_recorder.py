@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-READ_FIELDS = ("x", "y", "width", "count", "pixels", "plane")
+from quadshade.contract.protocol import PACKED
+
+READ_FIELDS = ("x", "y", "width", "count", "pixels", "plane", "packed")
 """The ports of a READ, in the order in which they are recorded."""
 
 
@@ -33,7 +35,9 @@ class CommandRecorder:
         self.done.append(("swap",))
 
     def read(self, **fields: int) -> bytes:
-        self.done.append(("read", *(fields[name] for name in READ_FIELDS)))
+        packed, plane = divmod(fields["plane"], PACKED)
+        ports = fields | {"plane": plane, "packed": packed}
+        self.done.append(("read", *(ports[name] for name in READ_FIELDS)))
         return bytes(fields["count"])
 
     def frame_crc(self, plane: int) -> int:

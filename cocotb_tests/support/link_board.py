@@ -9,7 +9,7 @@ from itertools import repeat
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.command_recorder import READ_FIELDS, CommandRecorder
-from quadshade.contract.protocol import Opcode, unpack_payload
+from quadshade.contract.protocol import PACKED, Opcode, unpack_payload
 from quadshade.link.frames import Frame, FrameParser
 
 CLOCKS = ("clocks_busy", "clocks_idle")
@@ -20,14 +20,16 @@ GATES = ("setup", "state", "clear", "swap", "read", "frame_crc")
 INPUTS = (
     *("line_valid", "line_data", "line_error", "break_seen", "send_ready", "send_busy", "core_idle"),
     *("pixel_done", "primitive_done", "read_data_valid", "read_data", "frame_crc_done", "frame_crc_value"),
+    "read_bytes",
     *(f"{name}_ready" for name in GATES),
 )
 
 
 def pattern(**fields: int) -> bytes:
-    """What a READ finds: any bytes that follow from its fields."""
+    """What a READ finds: bytes that follow from its fields, fewer than asked for if they may be packed."""
     seed = repr(sorted(fields.items())).encode()
-    return bytes(zlib.crc32(seed + bytes([index % 256])) & 0xFF for index in range(fields["count"]))
+    count = fields["count"] if fields["plane"] < PACKED else 1 + fields["count"] // 3
+    return bytes(zlib.crc32(seed + bytes([index % 256])) & 0xFF for index in range(count))
 
 
 class Effects(CommandRecorder):
@@ -150,7 +152,9 @@ class Board:
             effects.swap()
         elif dut.read_valid.value and ready["read"]:
             fields = {name: int(getattr(dut, f"read_{name}").value) for name in READ_FIELDS}
+            fields["plane"] += PACKED * fields.pop("packed")
             self.reading = effects.read(**fields)
+            dut.read_bytes.value = len(self.reading)
         elif dut.frame_crc_valid.value and ready["frame_crc"]:
             self.crc = effects.frame_crc(int(dut.frame_crc_plane.value))
         else:

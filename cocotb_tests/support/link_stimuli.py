@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import random
 
-from quadshade.contract.protocol import MAX_PAYLOAD, MAX_READ, SEQUENCES, Opcode, pack_payload
+from quadshade.contract.protocol import MAX_PAYLOAD, MAX_READ, PACKED, SEQUENCES, Opcode, pack_payload
 from quadshade.golden.link.frame_receiver import FrameReceiver, Reach
 from quadshade.link.frames import sealed
 
@@ -47,13 +47,15 @@ def good_area(draw: random.Random, reach: Reach, most: int = 20) -> dict[str, in
     room = min(width * (reach.height - y) * reach.plane_bytes[plane], MAX_READ)
     count = draw.choice((1, min(room, most), draw.randint(1, min(room, most))))
     pixels = -(-count // reach.plane_bytes[plane])
+    if reach.with_packed_read:
+        plane += draw.choice((0, PACKED))
     return {"x": x, "y": y, "width": width, "count": count, "pixels": pixels, "plane": plane}
 
 
 def wrong_area(draw: random.Random, reach: Reach) -> dict[str, int]:
     """READ's fields for an area that is just not on the screen, or a plane that is not there."""
     area = good_area(draw, reach, MAX_READ)
-    size = reach.plane_bytes[area["plane"]]
+    size = reach.plane_bytes[area["plane"] % PACKED]
     kinds = ("count", "plane", "right", "below", "corner", "rows", "width", "pixels", "bit", "any")
     kind = draw.choice(kinds)
     if kind == "count":

@@ -19,6 +19,8 @@ package link_pkg is
   constant break_bits : positive := 20;
   constant max_read : positive := 1012;
   constant edge_bytes : positive := 2;
+  constant packed : positive := 256;
+  constant escape_ones : positive := 5;
   constant protocol_version : positive := 1;
 
   -- Opcodes; bit 7 is set in answers, bit 4 in requests that are executed once and in order.
@@ -76,12 +78,13 @@ package link_pkg is
   constant feature_two_buffers : natural := 16;
   constant feature_colours_656 : natural := 32;
   constant feature_colours_444 : natural := 64;
+  constant feature_packed_read : natural := 128;
 
   -- What a board says of itself:
   --   clk_frequency_hz: system clock
   --   default_phase_step: phase step after power-up and after a break
   --   fifo_words: words of the command FIFO
-  --   features: bits: depth_test, shade, edge_map, display, two_buffers, colours_656, colours_444
+  --   features: bits depth_test, shade, edge_map, display, two_buffers, colours_656, colours_444, packed_read
   --   screen_width: pixels
   --   screen_height: pixels
   --   colour_bytes: bytes of a pixel in plane 0
@@ -114,7 +117,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"f6b9d85e");
+    words(1) := std_ulogic_vector'(x"d74b0fed");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));

@@ -93,11 +93,13 @@ entity command_decoder is
     read_x : out u_unsigned(15 downto 0);
     read_y : out u_unsigned(15 downto 0);
     read_width : out u_unsigned(15 downto 0);
-    -- Bytes that are taken from read_data.
+    -- Bytes, and the pixels that these are.
     read_count : out u_unsigned(15 downto 0);
-    -- The pixels that these are.
     read_pixels : out u_unsigned(15 downto 0);
     read_plane : out u_unsigned(1 downto 0);
+    -- They may be packed; so many are taken from read_data, known from the cycle after read_ready on.
+    read_packed : out std_ulogic;
+    read_bytes : in u_unsigned(9 downto 0);
     read_data_valid : in std_ulogic;
     read_data_ready : out std_ulogic;
     read_data : in std_ulogic_vector(7 downto 0);
@@ -145,8 +147,8 @@ architecture rtl of command_decoder is
 
   -- The command in execution.
   signal fifo_valid, fifo_ready : std_ulogic;
-  signal fifo_data, crc_value : word_t;
-  signal command, command_number : byte_t;
+  signal fifo_data, crc_value, word_data : word_t;
+  signal command, command_number, frame_data : byte_t;
 
   -- Answers that wait, and the one that is sent.
   signal ack_due, nak_due, reply_due : std_ulogic := '0';
@@ -161,9 +163,7 @@ architecture rtl of command_decoder is
   signal chosen_words, word_index : u_unsigned(5 downto 0);
   signal chosen_bytes : u_unsigned(9 downto 0);
   signal chosen : std_ulogic_vector(3 downto 0);
-  signal word_data : word_t;
   signal frame_valid, frame_ready, frame_last, encoding_done : std_ulogic;
-  signal frame_data : byte_t;
 
 begin
 
@@ -184,7 +184,8 @@ begin
     generic map (
       screen_width => screen_width, screen_height => screen_height, colour_bytes => colour_bytes,
       depth_bytes => depth_bytes, with_edge_map => (features / feature_edge_map) mod 2,
-      with_swap => with_swap, crc_cycles => crc_cycles
+      with_swap => with_swap, with_packed_read => (features / feature_packed_read) mod 2,
+      crc_cycles => crc_cycles
     )
     port map (
       clk => clk, reset => all_reset, byte_valid => byte_valid, byte_data => byte_data,
@@ -241,10 +242,10 @@ begin
       clear_colour => clear_colour, swap_valid => swap_valid, swap_ready => swap_ready,
       read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
       read_width => read_width, read_count => read_count, read_pixels => read_pixels,
-      read_plane => read_plane, frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
-      frame_crc_plane => frame_crc_plane, frame_crc_done => frame_crc_done,
-      frame_crc_value => frame_crc_value, result_due => result_due, result_taken => result_taken,
-      command => command, number => command_number, crc => crc_value
+      read_plane => read_plane, read_packed => read_packed, frame_crc_valid => frame_crc_valid,
+      frame_crc_ready => frame_crc_ready, frame_crc_plane => frame_crc_plane,
+      frame_crc_done => frame_crc_done, frame_crc_value => frame_crc_value, result_due => result_due,
+      result_taken => result_taken, command => command, number => command_number, crc => crc_value
     );
 
   -- Answers: what was asked at once, refusals, acknowledgements, results, in this order.
@@ -279,7 +280,7 @@ begin
       chosen_code <= command or x"80";
       chosen_number <= command_number;
       if command = opcode_read then
-        chosen_bytes <= read_count(9 downto 0);
+        chosen_bytes <= read_bytes;
       else
         chosen_words <= to_unsigned(2, 6);
       end if;

@@ -53,6 +53,7 @@ entity command_executor is
     read_count : out u_unsigned(15 downto 0);
     read_pixels : out u_unsigned(15 downto 0);
     read_plane : out u_unsigned(1 downto 0);
+    read_packed : out std_ulogic;
 
     frame_crc_valid : out std_ulogic;
     frame_crc_ready : in std_ulogic;
@@ -107,6 +108,7 @@ begin
   read_count <= unsigned(word_1(31 downto 16));
   read_pixels <= unsigned(word_0(15 downto 0));
   read_plane <= unsigned(word_0(17 downto 16));
+  read_packed <= '1' when (unsigned(word_0(31 downto 16)) and to_unsigned(packed, 16)) /= 0 else '0';
   frame_crc_valid <= '1' when place = dispatch and code = opcode_frame_crc else '0';
   frame_crc_plane <= unsigned(word_0(17 downto 16));
   due <= '1' when place = answer and (code = opcode_read or crc_known = '1') else '0';

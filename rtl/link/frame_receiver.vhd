@@ -23,6 +23,8 @@ entity frame_receiver is
     with_edge_map : natural := 0;
     -- 1: SWAP is known.
     with_swap : natural := 0;
+    -- 1: READ may ask for packed bytes.
+    with_packed_read : natural := 0;
     -- Of crc32: as many cycles at least lie between two bytes, and before a frame's end.
     crc_cycles : positive := 1
   );
@@ -199,6 +201,9 @@ begin
   begin
     if rising_edge(clk) then
       plane := unsigned(last_word(31 downto 16));
+      if with_packed_read = 1 and reads = '1' then
+        plane := plane and not to_unsigned(packed, 16);
+      end if;
       pixels := unsigned(last_word(15 downto 0));
       bytes := unsigned(word_before(31 downto 16));
       columns := unsigned(word_before(15 downto 0));

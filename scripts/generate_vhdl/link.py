@@ -22,7 +22,10 @@ use work.quadshade_pkg.all;
 
 BYTE = "std_ulogic_vector(7 downto 0)"
 WORD = "std_ulogic_vector(31 downto 0)"
-CONSTANTS = ("header_bytes", "crc_bytes", "max_body", "phase_bits", "break_bits", "max_read", "edge_bytes")
+CONSTANTS = (
+    *("header_bytes", "crc_bytes", "max_body", "phase_bits", "break_bits", "max_read", "edge_bytes"),
+    *("packed", "escape_ones"),
+)
 
 
 def requests() -> list[Opcode]:

@@ -87,6 +87,7 @@ class ModelEngine(Engine):
             settings.most_counter_bits,
             settings.buffers,
             settings.colour_bits,
+            bool(settings.with_packed_read),
         )
         self._baud = settings.baud
         self._answers = bytearray()

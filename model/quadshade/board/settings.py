@@ -21,6 +21,7 @@ ALLOWED: dict[str, Collection[int]] = {
     "with_video": (0, 1),
     "buffers": (1, 2),
     "colour_bits": tuple(COLOUR_BITS),
+    "with_packed_read": (0, 1),
     "single_buffer": (0, 1),
     "most_counter_bits": range(1, 33),
     "crc_cycles": (1, 2, 4, 8),
@@ -53,7 +54,7 @@ class BoardSettings:
       clocks, and so little time.
     fifo_words : int
       Of the command FIFO: a power of two from 256, which hold the longest frame, to 32768.
-    with_edge_map, single_port_memory, with_video, single_buffer : int
+    with_edge_map, single_port_memory, with_video, with_packed_read, single_buffer : int
       0 or 1. ``with_video`` makes words for a monitor, which a simulated board shows to nobody.
     buffers : int
       2: one is shown while the other is drawn, until a swap.
@@ -81,6 +82,7 @@ class BoardSettings:
     with_video: int = 0
     buffers: int = 1
     colour_bits: int = 8
+    with_packed_read: int = 1
     most_counter_bits: int = 32
     single_buffer: int = 0
     crc_cycles: int = 1

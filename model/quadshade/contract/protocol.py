@@ -118,7 +118,10 @@ LINK_STATE = (
 )
 """First word of every answer: the acknowledgement and the credits."""
 
-FEATURES = ("depth_test", "shade", "edge_map", "display", "two_buffers", "colours_656", "colours_444")
+FEATURES = (
+    *("depth_test", "shade", "edge_map", "display", "two_buffers", "colours_656", "colours_444"),
+    "packed_read",
+)
 """Bits of HELLO's ``features``, the lowest first."""
 
 OPTIONAL = {Opcode.SWAP: "two_buffers"}
@@ -131,7 +134,7 @@ BOARD_FIELDS = (
     ("clk_frequency_hz", 4, "system clock"),
     ("default_phase_step", 4, "phase step after power-up and after a break"),
     ("fifo_words", 2, "words of the command FIFO"),
-    ("features", 2, f"bits: {', '.join(FEATURES)}"),
+    ("features", 2, f"bits {', '.join(FEATURES)}"),
     ("screen_width", 2, "pixels"),
     ("screen_height", 2, "pixels"),
     ("colour_bytes", 1, "bytes of a pixel in plane 0"),
@@ -170,6 +173,12 @@ COUNTERS = (
 
 PLANES = ("colour", "depth", "edges_diagonal", "edges_eight")
 """What READ and FRAME_CRC can name; a board without depth or edge map refuses those planes."""
+
+PACKED = 1 << 8
+"""Added to READ's plane: the answer may be packed, and is where that takes fewer bytes."""
+
+ESCAPE_ONES = 5
+"""Ones before a byte of a packed answer that is sent whole (docs/reference/readback.md)."""
 
 EDGE_BYTES = 2
 """A pixel of a plane of edges: the intensities from normals and from depth."""
@@ -228,7 +237,7 @@ PAYLOADS = {
             ("width", 2, "columns; after the last one the next scanline's follow"),
             ("count", 2, f"bytes wanted, 1 to {MAX_READ}"),
             ("pixels", 2, "pixels that these are"),
-            ("plane", 2, PLANE_HELP),
+            ("plane", 2, f"{PLANE_HELP}; {PACKED} more: packed if that is shorter"),
         )
     ),
     Opcode.FRAME_CRC: Payload((("reserved", 2, "0"), ("plane", 2, PLANE_HELP))),
@@ -281,6 +290,7 @@ def definition_text() -> str:
         ("features", FEATURES),
         ("counters", COUNTERS),
         ("planes", PLANES),
+        ("packed_read", (PACKED, ESCAPE_ONES)),
         (
             "payloads",
             tuple(

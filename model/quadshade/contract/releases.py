@@ -15,7 +15,7 @@ RELEASES = {
 }
 """Version of each release, oldest first, and its :func:`quadshade.contract.protocol.definition_hash`."""
 
-UNRELEASED: int | None = 0xF6B9D85E
+UNRELEASED: int | None = 0xD74B0FED
 """The definition of this checkout, where it is no more that of the last release."""
 
 

@@ -11,12 +11,14 @@ from quadshade.contract.protocol import (
     COUNTERS,
     FEATURES,
     MAGIC,
+    PACKED,
     VERSION,
     definition_hash,
     phase_step,
 )
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.golden.link.command_decoder import CommandDecoder
+from quadshade.golden.link.pixel_packer import pack_pixels
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade.render_core import draw
@@ -100,8 +102,10 @@ class DrawnScreen(Screen):
         return super().plane(plane)
 
     def read(self, x: int, y: int, width: int, count: int, plane: int, pixels: int = 0) -> bytes:
-        """READ's bytes; ``pixels``, how many they need, follows from ``count``."""
-        return super().read(x, y, width, count, plane)
+        """READ's answer, packed if its plane says so; ``pixels`` follows from ``count``."""
+        plane, packs = plane & ~PACKED, bool(plane & PACKED)
+        data = super().read(x, y, width, count, plane)
+        return pack_pixels(data, self.plane(plane).shape[2]) if packs else data
 
 
 class BoardModel(CommandDecoder):
@@ -125,6 +129,8 @@ class BoardModel(CommandDecoder):
       2: one is drawn while the other is shown; SWAP swaps them.
     colour_bits : int
       Bits that the picture keeps of a colour: 8, 6 or 4.
+    with_packed_read : bool
+      Whether READ may ask for packed bytes.
     """
 
     def __init__(
@@ -140,6 +146,7 @@ class BoardModel(CommandDecoder):
         most_counter_bits: int = 32,
         buffers: int = 1,
         colour_bits: int = 8,
+        with_packed_read: bool = True,
     ) -> None:
         formats = formats or Formats()
         screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits)
@@ -150,6 +157,7 @@ class BoardModel(CommandDecoder):
             "display": with_video,
             "two_buffers": buffers == 2,
             COLOUR_BITS[colour_bits]: True,
+            "packed_read": with_packed_read,
         }
         identity = {
             "magic": MAGIC,

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.contract.identity import plane_bytes
-from quadshade.contract.protocol import MAX_READ, PLANES, LinkError, Opcode
+from quadshade.contract.identity import has_feature, plane_bytes
+from quadshade.contract.protocol import MAX_READ, PACKED, PLANES, LinkError, Opcode
+from quadshade.link.packed_pixels import unpack_pixels
 from quadshade.link.session import Session
 
 READS = 16
-"""READs on their way at a time."""
+PACKED_READS = 48
+"""READs on their way at a time: in a line's time of a few tens of thousand bits."""
 
 COLOUR, DEPTH = PLANES.index("colour"), PLANES.index("depth")
 
@@ -29,11 +31,15 @@ class Piece:
     width: int
     height: int
 
+    @property
+    def pixels(self) -> int:
+        """How many there are."""
+        return self.width * self.height
+
     def question(self, size: int, plane: int) -> dict[str, int]:
         """READ's fields, for pixels of some bytes."""
-        pixels = self.width * self.height
         place = {"x": self.x, "y": self.y, "width": self.width}
-        return place | {"count": pixels * size, "pixels": pixels, "plane": plane}
+        return place | {"count": self.pixels * size, "pixels": self.pixels, "plane": plane}
 
     def halves(self) -> tuple[Piece, ...]:
         """Two pieces that are this one; a pixel cannot be divided."""
@@ -70,7 +76,8 @@ def read_area(
     """
     Fetch an area of a plane.
 
-    A piece that does not arrive is asked for again in two halves, so a bad line gets short answers.
+    A piece that does not arrive is asked for again in two halves, so a bad line gets short answers. A board
+    that can pack them does.
 
     Parameters
     ----------
@@ -90,26 +97,29 @@ def read_area(
     Raises
     ------
     LinkError
-      The link is too bad, or the board has no such plane.
+      The link is too bad, the board has no such plane, or packs what cannot be unpacked.
     """
     size = plane_bytes(session.identity)[plane]
     if not size:
         raise LinkError(f"the board has no plane {PLANES[plane]}", "build it with one")
+    packed = has_feature(session.identity, "packed_read")
+    asked_plane, reads = (plane | PACKED, PACKED_READS) if packed else (plane, READS)
     area = np.zeros((height, width, size), np.uint8)
     waiting = deque(pieces(x, y, width, height, size))
     fruitless = done = 0
     while waiting:
-        asked = [waiting.popleft() for _ in range(min(READS, len(waiting)))]
-        found = session.ask(Opcode.READ, [piece.question(size, plane) for piece in asked])
+        asked = [waiting.popleft() for _ in range(min(reads, len(waiting)))]
+        found = session.ask(Opcode.READ, [piece.question(size, asked_plane) for piece in asked])
         fruitless = 0 if found else fruitless + 1
         if fruitless > session.retries:
             raise session.too_bad("READ")
         for index, piece in enumerate(asked):
             if index in found:
-                part = np.frombuffer(found[index], np.uint8).reshape(piece.height, piece.width, size)
+                data = unpack_pixels(found[index], piece.pixels * size, size)
+                part = np.frombuffer(data, np.uint8).reshape(piece.height, piece.width, size)
                 top, left = piece.y - y, piece.x - x
                 area[top : top + piece.height, left : left + piece.width] = part
-                done += piece.width * piece.height
+                done += piece.pixels
             else:
                 waiting.extendleft(reversed(piece.halves()))
         if progress:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from quadshade.contract.identity import knows, plane_bytes
+from quadshade.contract.identity import has_feature, knows, plane_bytes
 from quadshade.contract.protocol import (
     ANSWER_BIT,
     COUNTERS,
@@ -90,8 +90,8 @@ class CommandDecoder:
 
     def _begin(self) -> None:
         size = (self.identity["screen_width"], self.identity["screen_height"])
-        swaps = knows(self.identity, Opcode.SWAP)
-        self.receiver = FrameReceiver(Reach(*size, plane_bytes(self.identity), swaps))
+        swaps, packs = knows(self.identity, Opcode.SWAP), has_feature(self.identity, "packed_read")
+        self.receiver = FrameReceiver(Reach(*size, plane_bytes(self.identity), swaps, packs))
         self.fifo = FrameFifo(self.identity["fifo_words"])
         self.counts: Counter[str] = Counter()
         self._free_told = self.fifo.free

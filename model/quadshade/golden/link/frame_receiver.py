@@ -11,6 +11,7 @@ from quadshade.contract.protocol import (
     HEADER_BYTES,
     MAX_BODY,
     MAX_READ,
+    PACKED,
     PHASE_BITS,
     SEQUENCES,
     WINDOW,
@@ -57,12 +58,15 @@ class Reach:
     plane_bytes : tuple of int
       Of a pixel in every plane; 0 where there is no such plane.
     with_swap : bool
+    with_packed_read : bool
+      Whether READ may ask for packed bytes.
     """
 
     width: int = 320
     height: int = 240
     plane_bytes: tuple[int, ...] = (3, 2, 0, 0)
     with_swap: bool = False
+    with_packed_read: bool = False
 
     def holds(self, plane: int) -> bool:
         """Whether there is such a plane."""
@@ -70,6 +74,8 @@ class Reach:
 
     def holds_area(self, x: int, y: int, width: int, count: int, pixels: int, plane: int) -> bool:
         """Whether READ's area is on the screen, and ``pixels`` is what ``count`` bytes need."""
+        if self.with_packed_read:
+            plane &= ~PACKED
         return (
             self.holds(plane)
             and 1 <= count <= MAX_READ
