@@ -88,8 +88,10 @@ def test_a_sample_stays_when_other_lines_change(tmp_path: Path) -> None:
     after = mutants_of(tmp_path / "a.py", tmp_path)
     drawn = sample({"a.py": after}, len({mutant.place for mutant in after}), 1)
     kept = [mutant for mutant in drawn if "LOWEST" not in mutant.place]
-    found = [(mutant.operator, mutant.place, mutant.line - 4) for mutant in kept[: len(before)]]
-    assert found == [(mutant.operator, mutant.place, mutant.line) for mutant in before]
+    found = [(mutant.key, mutant.line - 4) for mutant in kept[: len(before)]]
+    assert found == [(mutant.key, mutant.line) for mutant in before]
+    functions = {mutant.where: mutant.around for mutant in before if mutant.where}
+    assert functions == {mutant.where: mutant.around for mutant in after if mutant.where in functions}
 
 
 RUN = """
@@ -100,7 +102,7 @@ from scripts.mutation.python.runner import run_session
 
 root, folder = Path(sys.argv[1]), Path(sys.argv[2])
 package = root / "model" / "quadshade"
-mutants = {m.key: m for m in mutants_of(package / "amount.py", package)}
+mutants = {f"{m.operator}:{m.occurrence}": m for m in mutants_of(package / "amount.py", package)}
 found = {}
 
 def work(session):
@@ -135,13 +137,13 @@ def test_mutants_are_killed_in_functions_and_outside_and_others_survive(tmp_path
     assert result.returncode == 0, result.stdout + result.stderr
     content = json.loads(said.read_text())
     assert content["problem"] == ""
-    states = {key.split(":", 1)[1]: state for key, (state, _) in content["found"].items()}
+    states = {name: state for name, (state, _) in content["found"].items()}
     numbers = [states[f"NumberReplacer:{index}"] for index in range(8)]
     # START twice, SPARE twice, 3 twice, 1 twice: a step of 2 ends at the same number, one of 0 does not end.
     assert numbers == ["killed", "killed", "survived", "survived", "killed", "killed", "survived", "timeout"]
     assert states["ReplaceBinaryOperator_Sub_Add:0"] == "timeout"
     assert states["ReplaceBinaryOperator_Add_Sub:0"] == "killed"
-    assert content["found"]["amount.py:ReplaceBinaryOperator_Add_Sub:0"][1] == "tests/test_amount.py::test_it"
+    assert content["found"]["ReplaceBinaryOperator_Add_Sub:0"][1] == "tests/test_amount.py::test_it"
     assert (package / "amount.py").read_text() == (tmp_path / "copy" / "quadshade" / "amount.py").read_text()
 
 

@@ -3,33 +3,27 @@
 How many mutants of the host library its tests notice: ``python -m scripts.mutation.python``.
 
 Each package is a session of pytest of its own. What is known of a mutant is kept in
-``build/mutation/python.jsonl``, so a run that was ended goes on; a result is used again while the file, and
-for a survivor the tests, are the same.
+``build/mutation/python.jsonl``, so a run that was ended goes on; a result is used again while the function,
+and for a survivor the tests, are the same.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import multiprocessing
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 
 import click
 
 from scripts.mutation.python.kept import PACKAGE, run_kept
-from scripts.mutation.python.mutants import Mutant, changed_lines, mutants_of, mutated, sample
+from scripts.mutation.python.mutants import Mutant, changed_lines, digest, mutants_of, mutated, sample
 from scripts.mutation.python.report import PLACE, ROOT, argued, write
 
 BUILD = ROOT / "build" / "mutation"
 KNOWN = BUILD / "python.jsonl"
-
-
-def digest(*contents: bytes) -> str:
-    """Twelve hexadecimal digits that tell contents apart."""
-    return hashlib.sha256(b"\0".join(contents)).hexdigest()[:12]
 
 
 @dataclass(frozen=True)
@@ -107,6 +101,7 @@ GROUPS = {
             "setup_words",
             "setup_edges",
             "setup_lattice",
+            "setup_tile",
         ),
         slow=0.7,
     ),
@@ -127,7 +122,7 @@ GROUPS = {
 
 @dataclass(frozen=True)
 class Result:
-    """What is known of a mutant: of which file, by which tests, its lines, and how its tests ended."""
+    """What is known of a mutant: of which function, by which tests, its lines, and how its tests ended."""
 
     key: str
     where: str
@@ -142,7 +137,7 @@ class Result:
 
 
 def known_results() -> dict[tuple[str, str], Result]:
-    """The latest result of each mutant, by its key and its file's digest."""
+    """The latest result of each mutant, by its key and the digest of its function."""
     if not KNOWN.exists():
         return {}
     results = [Result(**json.loads(line)) for line in KNOWN.read_text().splitlines()]
@@ -161,18 +156,12 @@ def group_of(path: str) -> str:
     return next((name for name, group in GROUPS.items() if path in group.more), path.split("/")[0])
 
 
-def sources(mutants: Sequence[Mutant]) -> dict[str, str]:
-    """Digest of each file that is mutated."""
-    return {path: digest((PACKAGE / path).read_bytes()) for path in {mutant.path for mutant in mutants}}
-
-
 def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> str:
     """Run tests on mutants of a package and note each result; why that could not be done."""
     from scripts.mutation.python.runner import Session, run_session
 
     group = GROUPS[name]
     tests = group.digest
-    of_files = sources(mutants)
 
     def work(session: Session) -> None:
         said(f"{name}: {len(session.items)} tests of {session.total:.0f} s, {len(mutants)} mutants")
@@ -184,7 +173,7 @@ def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> 
                 mutant.key,
                 mutant.where,
                 mutant.line,
-                of_files[mutant.path],
+                mutant.around,
                 tests,
                 old,
                 new,
@@ -212,11 +201,11 @@ def _child(name: str, mutants: list[Mutant], terminal: int) -> None:
 
 def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
     """The mutants of a package that nothing valid is known of; those that are argued are run once."""
-    known, of_files = known_results(), sources(mutants)
+    known = known_results()
     tests, reasons = GROUPS[name].digest, {tuple(entry[part] for part in PLACE) for entry in argued()}
     left = []
     for mutant in mutants:
-        result = known.get((mutant.key, of_files[mutant.path]))
+        result = known.get((mutant.key, mutant.around))
         is_known = result is not None and (
             result.state != "survived"
             or result.tests == tests
@@ -265,8 +254,8 @@ def main(
             os.close(terminal)
             if process.exitcode:
                 raise SystemExit(1)
-    found, of_files = known_results(), sources(mutants)
-    results = [found.get((mutant.key, of_files[mutant.path])) for mutant in mutants]
+    found = known_results()
+    results = [found.get((mutant.key, mutant.around)) for mutant in mutants]
     rows = [
         asdict(result) | {"group": group_of(result.key.split(":")[0])}
         for result in results

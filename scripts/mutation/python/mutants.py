@@ -68,6 +68,11 @@ OTHERS = (
 )
 
 
+def digest(*contents: bytes) -> str:
+    """Twelve hexadecimal digits that tell contents apart."""
+    return hashlib.sha256(b"\0".join(contents)).hexdigest()[:12]
+
+
 class DropStatement(Operator):
     """A statement that only has an effect, a call or an augmented assignment, does nothing."""
 
@@ -122,6 +127,10 @@ class Mutant:
       The function that it is in, with its class; empty at module level.
     place : str
       Names the place by what stands there: another one elsewhere in the file leaves it as it is.
+    nth : int
+      Which of the operator's changes at this place.
+    around : str
+      Digest of the lines of the function; at module level, of those outside of functions.
     """
 
     path: str
@@ -131,11 +140,13 @@ class Mutant:
     column: int
     where: str
     place: str
+    nth: int
+    around: str
 
     @property
     def key(self) -> str:
-        """What tells it apart from all others while the file is as it is."""
-        return f"{self.path}:{self.operator}:{self.occurrence}"
+        """What tells it apart from all others, whatever becomes of the rest of the file."""
+        return f"{self.path}:{self.operator}:{self.nth}:{self.place}"
 
 
 def _places(tree: ast.Module) -> tuple[dict[int, str], list[tuple[tuple[int, int], tuple[int, int]]]]:
@@ -207,11 +218,17 @@ def mutants_of(path: Path, package: Path) -> list[Mutant]:
             if not any(first <= start <= last for first, last in left_out):
                 found.append((name, occurrence, start))
     names = _named({start for _, _, start in found}, source, functions)
-    inner = str(path.relative_to(package))
-    return [
-        Mutant(inner, name, occurrence, *start, functions.get(start[0], ""), names[start])
-        for name, occurrence, start in found
-    ]
+    around: dict[str, list[str]] = {}
+    for number, line in enumerate(source.splitlines(), start=1):
+        around.setdefault(functions.get(number, ""), []).append(line)
+    digests = {where: digest(*(line.encode() for line in lines)) for where, lines in around.items()}
+    inner, times, made = str(path.relative_to(package)), Counter[tuple[str, str]](), []
+    for name, occurrence, start in found:
+        where, place = functions.get(start[0], ""), names[start]
+        nth = times[name, place]
+        times[name, place] += 1
+        made.append(Mutant(inner, name, occurrence, *start, where, place, nth, digests[where]))
+    return made
 
 
 def mutated(mutant: Mutant, source: str) -> str:
