@@ -183,6 +183,17 @@ def test_memory_is_read_through_its_registers() -> None:
         assert model.read_data == held
 
 
+@pytest.mark.parametrize("stages", [1, 2, 4, 5])
+def test_a_word_read_while_it_is_written_is_undefined(stages: int) -> None:
+    """And no other, whatever is written: here the word is the address that is read."""
+    model, seen = BlockRam(stages), []
+    model.fill(7, 4)
+    for write, address in [((2, 9), 2), ((0, 2), 2), (None, 0), *[(None, 1)] * stages]:
+        model.clock(write, address)
+        seen.append(model.read_data)
+    assert seen[stages - 1 :] == [None, 9, 2, 7]
+
+
 def test_a_lane_moves_when_what_is_behind_it_has_room() -> None:
     lane, full = LaneHandshake(), {"chain_full_next": True}
     stalled = {"clamped_valid": True, "emitted_valid": True}

@@ -9,7 +9,8 @@ import pytest
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.setup.edges import cut_triangles
+from quadshade.setup.triangle_setup import _first_misfit, setup_triangles
 from tests.support.setup_reference import screen_triangles, walk
 
 FORMATS = Formats(coord_bits=6)
@@ -170,14 +171,31 @@ def test_rounding_has_two_names() -> None:
         setup_triangles(triangles(BIG), FORMATS, rounding="banker")
 
 
-def test_word_too_narrow() -> None:
-    """Two fraction bits lose a second difference of 0.1245: 1000 grey levels, and the bound sees it."""
-    formats = Formats(num_channels=1, with_depth=0, word_width=12, frac_bits=2, coord_bits=8)
-    corners = np.array([[[0, 0], [128 * 256, 0], [0, 128 * 256]]])
+@pytest.mark.parametrize(("word_width", "frac_bits", "coord_bits"), [(12, 2, 8), (20, 10, 12)])
+def test_word_too_narrow(word_width: int, frac_bits: int, coord_bits: int) -> None:
+    """Few fraction bits lose a second difference: hundreds of grey levels, and the bound sees it."""
+    formats = Formats(
+        num_channels=1, with_depth=0, word_width=word_width, frac_bits=frac_bits, coord_bits=coord_bits
+    )
+    side = 128 << coord_bits
+    corners = np.array([[[0, 0], [side, 0], [0, side]]])
     samples = np.array([[[0, 0, 0, 255, 0, 0.0]]])
     wide = screen_triangles(corners, formats, samples=samples)
-    with pytest.raises(QuadshadeError, match="triangle 0: channel 0 may not fit its word of 12 bits"):
+    with pytest.raises(QuadshadeError, match=f"triangle 0: channel 0 may not fit its word of {word_width} b"):
         setup_triangles(wide, formats, rounding="independent")
+
+
+@pytest.mark.parametrize(("order", "stray"), [(0, 0.0), (1, 120.0), (2, 200.0)])
+def test_how_far_a_value_may_stray(order: int, stray: float) -> None:
+    """Half the range of the samples that are used, 5/3 of it for a quadratic, the bound, and half a level."""
+    cut = cut_triangles(np.array([BIG]), 64, 64, 8)
+    samples = np.array([[[10.0, 250.0, 130.0, 100.0, 10.0, 20.0]]])
+    middle = 10.0 if order == 0 else 130.0
+    for sign in (1, -1):
+        reach = middle + 0.5 * sign + stray + 3.0
+        for limit in (reach - 0.1, reach + 0.1):
+            given = (cut.heads, sign * samples, np.array([[order]]), np.array([[3.0]]), np.array([limit]))
+            assert _first_misfit(*given) == ((0, 0) if limit < reach else (-1, -1))
 
 
 @pytest.mark.parametrize(

@@ -221,6 +221,57 @@ def test_bound_of_large_triangles(shape: str, rng: np.random.Generator) -> None:
     assert worst * 2.0**-22 < 0.1
 
 
+@pytest.mark.parametrize("along", [0, 1], ids=["one_column", "one_row"])
+def test_what_no_pixel_uses_is_rounded_to_nearest(along: int, rng: np.random.Generator) -> None:
+    """Of one row or one column: the second differences of the other direction, and the mixed one."""
+    corners, fit, off = np.zeros((8, 2)), np.zeros(1, FIT)[0], np.zeros(6)
+    corners[2 - along : 4 - along, along] = 9.0
+    fit_linear(corners, 4, np.zeros((SAMPLE_POINTS, 5)), fit)
+    unused = [3, 4] if along else [4, 5]
+    for fraction in rng.uniform(0, 1, (200, 6)):
+        bound = round_words(fraction, 2, corners, 4, fit, True, off)
+        nearest = np.floor(fraction + 0.5) - fraction
+        assert np.array_equal(off[unused], nearest[unused])
+        # The bound is that of the ten places, which the corners hold.
+        places = np.arange(10.0)
+        m, n = (0.0, places) if along else (places, 0.0)
+        errors = off[0] + m * off[1] + m * (m - 1) / 2 * off[3] + n * off[2] + n * (n + 1) / 2 * off[5]
+        assert np.abs(errors).max() <= bound
+
+
+def test_lower_orders_absorb_what_higher_ones_lost(rng: np.random.Generator) -> None:
+    """
+    By least squares over a primitive's corners and edge middles: of the eight ways to round three second
+    differences the one that leaves least to a linear function, then d_row that takes most of it away, then
+    d_col that takes most of the rest.
+    """
+    corners, fit, off = np.zeros((8, 2)), np.zeros(1, FIT)[0], np.zeros(6)
+    points, checked = np.zeros((SAMPLE_POINTS, 5)), 0
+    for size in np.repeat([0.5, 1.0, 3.0, 30.0], 30):
+        # Of one trapezoid, all round: the first row's low and high end, the last row's high and low one.
+        corners[:4, 0] = 0.0, 0.0, *2 * [np.ceil(3 * size)]
+        corners[:4, 1] = np.sort(rng.uniform(-size, size, (2, 2)), axis=1).ravel()[[0, 1, 3, 2]]
+        fit_linear(corners, 4, points, fit)
+        m, n = (points[:, :2] - points[:, :2].mean(axis=0)).T
+        if (m @ m) * (n @ n) - (m @ n) ** 2 < 1e-2 * (m @ m) * (n @ n):
+            continue
+        row, column = points[:, 0], points[:, 1]
+        bent = np.stack([row * (row - 1) / 2, row * column, column * (column + 1) / 2])
+        bent -= bent.mean(axis=1, keepdims=True)
+        linear = np.stack([m, n], axis=1)
+        for fraction in rng.uniform(0, 1, (3, 6)):
+            round_words(fraction, 2, corners, 4, fit, True, off)
+            ways = np.array(list(itertools.product((0, 1), repeat=3))) - fraction[3:]
+            left = [np.linalg.lstsq(linear, way @ bent, rcond=None)[1].sum() for way in (*ways, off[3:])]
+            assert left[-1] <= min(left) + 1e-6 * (1 + min(left))
+            want_row = np.linalg.lstsq(linear, -(off[3:] @ bent), rcond=None)[0][0]
+            assert abs(off[1] - want_row) <= 0.5 + 1e-5
+            want_column = -(off[3:] @ bent + off[1] * m) @ n / (n @ n)
+            assert abs(off[2] - want_column) <= 0.5 + 1e-5
+            checked += 1
+    assert checked > 300
+
+
 def test_bound_of_random_large_triangles(rng: np.random.Generator) -> None:
     formats = Formats()
     vertices = rng.integers(0, 1024 * 256 + 1, (3000, 3, 2))
