@@ -76,6 +76,7 @@ GROUPS = {
         (
             "golden_units",
             "golden_core",
+            "golden_board",
             "golden_screen",
             "golden_edge_map",
             "golden_shade",
