@@ -129,6 +129,15 @@ simspeed: setup ## measure cycles per second in GHDL and Verilator, write docs/r
 boardspeed: setup ## triangles a second, line load of the simulated board; docs/reports/boardspeed.md
 	@$(VENV) -m scripts.experiments.board_speed
 
+.PHONY: frametime
+frametime: setup ## turning scenes in a frame time, in a board's clocks; docs/reports/frame_time.md; goes on
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.frame_time.report
+
+.PHONY: turnspeed
+turnspeed: setup ## processor time of a frame of turn and view, beside VTK; docs/reports/turn_speed.md
+	@$(VENV) -m pip install -q --disable-pip-version-check --no-build-isolation -e '.[peer]'
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.turn_speed
+
 .PHONY: hostspeed
 hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed

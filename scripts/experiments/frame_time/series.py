@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of a turning scene in a frame time: what each takes, how far it is off, and beside what."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import quadshade
+from quadshade.board.fallbacks import sent_triangles
+from quadshade.board.frame_time import BoardClock, picture_clocks
+from quadshade.contract.formats import Formats
+from quadshade.errors import QuadshadeError
+from quadshade.rendering import Picture, RenderSettings, Reports, render_picture
+from quadshade.rendering.in_time import Pace
+from quadshade.rendering.timing import Levers
+
+SIZE = (160, 120)
+CLOCK_HZ = 100_000_000
+RATES = ((1_000_000, 10), (3_000_000, 30))
+"""Baud and frames a second: ten thousand bytes a frame both."""
+
+FIXED = ("flat", "gouraud", "quadratic", "quadratic-specular")
+LEVELS = 0.88
+"""Triangles of a level of a fixed choice, over those of the next finer one."""
+
+QUIET = Reports(notice=lambda _: None)
+
+
+class Fixed(NamedTuple):
+    """A choice for all frames: a shading, and a level of detail."""
+
+    shading: str
+    faces: int
+
+
+class Errors:
+    """Root mean square of a row of pictures against Phong shading, and of its second difference in time."""
+
+    def __init__(self) -> None:
+        self._off: deque[np.ndarray] = deque(maxlen=3)
+
+    def add(self, picture: np.ndarray, reference: np.ndarray) -> tuple[float, float | None]:
+        """Error and flicker in grey levels, of which the first two frames have none."""
+        self._off.append(picture.astype(float) - reference)
+        error = math.sqrt(float(np.square(self._off[-1]).mean()))
+        if len(self._off) < 3:
+            return error, None
+        shaken = self._off[0] - 2 * self._off[1] + self._off[2]
+        return error, math.sqrt(float(np.square(shaken).mean()))
+
+
+class Series:
+    """
+    A scene that turns once.
+
+    Parameters
+    ----------
+    scene : str
+    frames : int
+    ahead : int
+      Frames that are looked at before the first is drawn.
+    """
+
+    def __init__(self, scene: str, frames: int, ahead: int) -> None:
+        self.scene, self.frames, self.ahead = scene, frames, ahead
+        # The shorter of both times, after what the core draws on behind the line.
+        self.milliseconds = 1000 / RATES[-1][1]
+        self.animation = quadshade.turn(
+            scene, frames=frames, size=SIZE, engine="model", frame_time=self.milliseconds,
+            baud=RATES[-1][0], errors=False, reports=QUIET,
+        )  # fmt: skip
+
+    def settings(self, frame: int, **changes: Any) -> RenderSettings:
+        """Of a frame, without its time, with a fixed shading and level."""
+        settings = self.animation.frame_settings(frame)
+        plain = replace(settings, adapt=type(settings.adapt)(), port=type(settings.port)())
+        return plain.of_scene(**changes)
+
+    def fixed(self, frame: int, choice: Fixed) -> Picture:
+        """A frame by a fixed choice."""
+        lod = None if choice.faces >= self.faces else choice.faces
+        return render_picture(self.settings(frame, shading=choice.shading, lod=lod), QUIET)
+
+    @cached_property
+    def faces(self) -> int:
+        """Triangles of the scene."""
+        return len(quadshade.load_scene(self.scene))
+
+    def clocks(self, picture: Picture, rate: tuple[int, int]) -> Any:
+        """What a picture takes at a rate."""
+        formats = replace(Formats(**picture.stats.generics), stream_width=32)
+        clock = BoardClock(CLOCK_HZ, rate[0], *SIZE)
+        return picture_clocks(sent_triangles(picture.triangles, formats), formats, clock)
+
+    def in_time(self, picture: Picture) -> bool:
+        """Whether a picture is complete in both frame times."""
+        return all(self.clocks(picture, rate).whole <= CLOCK_HZ // rate[1] for rate in RATES)
+
+    def best_fixed(self) -> Fixed:
+        """The fixed choice with the least mean error of those in time in every frame that is looked at."""
+        looked = range(0, self.frames, max(self.frames // self.ahead, 1))
+        phong = {frame: self.phong(frame) for frame in looked}
+        best, least = None, math.inf
+        for shading in FIXED:
+            faces = float(self.faces)
+            while faces >= 16:
+                choice = Fixed(shading, round(faces))
+                try:
+                    error = self._error_in_time(choice, phong)
+                except QuadshadeError:
+                    break
+                if error is not None:
+                    best, least = (choice, error) if error < least else (best, least)
+                    break
+                faces *= LEVELS
+        assert best is not None
+        return best
+
+    def _error_in_time(self, choice: Fixed, phong: dict[int, np.ndarray]) -> float | None:
+        """Mean square error of a fixed choice over frames, or None where one of them is late."""
+        total = 0.0
+        for frame, reference in phong.items():
+            picture = self.fixed(frame, choice)
+            if not self.in_time(picture):
+                return None
+            total += float(np.square(picture.array - reference).mean())
+        return total
+
+    def phong(self, frame: int) -> np.ndarray:
+        """Phong shading of all triangles."""
+        return render_picture(self.settings(frame, shading="phong"), QUIET).array.astype(float)
+
+    def again(self, row: dict[str, Any]) -> Picture:
+        """The picture of a frame whose numbers are known."""
+        pace = Pace(levers=Levers(row["faces"], row["shading"], row["step"]))
+        return self.animation.frame(row["frame"], pace)
+
+    def rows(self, fixed: Fixed, first: int = 0, levers: Levers | None = None) -> Iterator[dict[str, Any]]:
+        """Every frame in numbers, from one on; flicker needs two before it."""
+        pace = self.animation.pace(levers)
+        errors = {name: Errors() for name in ("frame time", "fixed", "unbudgeted")}
+        for frame in range(first, self.frames):
+            reference = self.phong(frame)
+            drawn = {
+                "frame time": self.animation.frame(frame, pace),
+                "fixed": self.fixed(frame, fixed),
+                "unbudgeted": self.fixed(frame, Fixed("quadratic", self.faces)),
+            }
+            row: dict[str, Any] = {"scene": self.scene, "frame": frame, "fixed": list(fixed)}
+            for name, picture in drawn.items():
+                key = name.replace(" ", "_")
+                row[f"{key}_error"], row[f"{key}_flicker"] = errors[name].add(picture.array, reference)
+            timing = drawn["frame time"].stats.timing
+            assert timing is not None
+            row |= {name: timing[name] for name in ("faces", "shading", "step", "line_bytes")}
+            for baud, fps in RATES:
+                clocks = self.clocks(drawn["frame time"], (baud, fps))
+                row[f"line_{baud}"], row[f"whole_{baud}"] = clocks.line, clocks.whole
+                row[f"fixed_whole_{baud}"] = self.clocks(drawn["fixed"], (baud, fps)).whole
+            yield row
