@@ -68,7 +68,10 @@ def test_the_command_line_of_a_state_draws_it(tmp_path: Path, monkeypatch, viewe
     assert figures["rms_error"] == pytest.approx(compared.rms)
     assert figures["line_fps"] == pytest.approx(state.baud / 10 / figures["line_bytes"])
     if state.frame_ms:
-        assert 0.8 * state.line_budget < figures["line_bytes"] <= state.line_budget == 4147
+        timing = stats["timing"]
+        assert 0.95 * timing["deadline"] < timing["clocks_whole"] <= timing["deadline"] == 9_000_000
+        # What the line carries in 90 ms at 460800 baud.
+        assert 0.95 * 4147 < figures["line_bytes"] <= 4147 and timing["baud"] == 460_800
     assert sum(figures["orders"].values()) == figures["triangles"]
 
 

@@ -151,6 +151,35 @@ def parse_lod(value: Any) -> int | str | None:
     return int(text)
 
 
+def parse_frame_time(value: Any) -> float:
+    """Milliseconds, from 0.01 to 1000000; raises :class:`QuadshadeError` for anything else."""
+    milliseconds = _number(value)
+    if not 0.01 <= milliseconds <= 1e6:
+        raise QuadshadeError(f"the frame time is {value!r}", "give milliseconds from 0.01 to 1000000")
+    return milliseconds
+
+
+def parse_clock(value: Any) -> float:
+    """Megahertz, from 0.1 to 1000; raises :class:`QuadshadeError` for anything else."""
+    megahertz = _number(value)
+    if not 0.1 <= megahertz <= 1000:
+        raise QuadshadeError(f"the clock is {value!r}", "give megahertz from 0.1 to 1000")
+    return megahertz
+
+
+def parse_turn_time(value: Any) -> float | str:
+    """Milliseconds or ``auto``; raises :class:`QuadshadeError` for anything else."""
+    return AUTO if str(value).strip().lower() == AUTO else parse_frame_time(value)
+
+
+def parse_fps(value: Any) -> float:
+    """Frames a second, from 0.01 to 1000; raises :class:`QuadshadeError` for anything else."""
+    fps = _number(value)
+    if not 0.01 <= fps <= 1000:
+        raise QuadshadeError(f"the fps are {value}", "give 0.01 to 1000 frames a second")
+    return fps
+
+
 def parse_limit(value: Any) -> float:
     """Grey levels above 0; raises :class:`QuadshadeError` for anything else."""
     levels = _number(value)

@@ -20,13 +20,20 @@ from quadshade.board.worker_boards import Place, board_here, forget_board
 from quadshade.choices import PHONG, STYLES
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import check_writable
-from quadshade.image.compare import error_map, psnr
+from quadshade.image import largest_and_rms
 from quadshade.rendering.draw import render_picture
 from quadshade.rendering.groups import EngineChoice, PortChoice
+from quadshade.rendering.in_time import Pace
 from quadshade.rendering.picture import Picture
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import choice_mesh
+from quadshade.rendering.timing import Levers
 from quadshade.scene import Mesh
+
+LOOKED_AT = 24
+"""Frames of an animation for which the levers of a frame time are chosen."""
+
+QUIET = Reports(notice=lambda _: None)
 
 
 class Drawn(NamedTuple):
@@ -67,6 +74,10 @@ class Animation:
             raise QuadshadeError("--waves is for one picture", "use `quadshade render`")
         if settings.port.is_given and jobs != 1:
             raise QuadshadeError("a board draws one frame after the other", "leave --jobs out")
+        if settings.adapt.frame_time is not None and (jobs != 1 or settings.port.dask is not None):
+            raise QuadshadeError(
+                "a frame in time begins where the one before ended", "leave --jobs or --dask out"
+            )
         if settings.engine.engine is None and not settings.port.is_given:
             # Many pictures: the engine that starts soonest; all of them draw the same.
             settings = replace(settings, engine=EngineChoice("model"))
@@ -83,10 +94,30 @@ class Animation:
         """The picture of a frame, drawn anew."""
         if not -len(self) <= frame < len(self):
             raise IndexError(f"there is no frame {frame} of {len(self)}")
-        return render_picture(self.frame_settings(frame % len(self)), self._reports)
+        return self.frame(frame % len(self), self.pace())
 
     def __iter__(self) -> Iterator[Picture]:
         return (self[number] for number in range(len(self)))
+
+    def pace(self, levers: Levers | None = None) -> Pace:
+        """
+        Where a row of frames in a frame time begins.
+
+        Parameters
+        ----------
+        levers : Levers, optional
+          Of the frame before; without them those are chosen that are best for frames from the whole animation.
+        """
+        every = max(len(self) // LOOKED_AT, 1)
+
+        def ahead() -> list[RenderSettings]:
+            return [self.frame_settings(frame) for frame in range(every, len(self), every)][: LOOKED_AT - 1]
+
+        return Pace(ahead, levers)
+
+    def frame(self, frame: int, pace: Pace) -> Picture:
+        """The picture of a frame, counted from 0; in a frame time the pace goes on from it."""
+        return render_picture(self.frame_settings(frame), self._reports, pace)
 
     def frame_settings(self, frame: int) -> RenderSettings:
         """What :func:`quadshade.render` would be asked for, for a frame counted from 0."""
@@ -97,7 +128,8 @@ class Animation:
         settings = self.settings.styled()
         settings.checked()
         scene = settings.of_scene(crease=None)
-        return Stage(scene, self._mesh, self.motion)
+        name = self.settings.scene.scene
+        return Stage(scene, self._mesh, self.motion, name if isinstance(name, str | Path) else None)
 
     @cached_property
     def _mesh(self) -> Mesh:
@@ -154,7 +186,9 @@ class Animation:
         if done:
             self._reports.notice(f"{done} of {len(self)} frames were drawn before")
         self._tell(done)
-        for drawn in self._draw(missing):
+        before = store.row(missing[0] - 1) if missing and missing[0] else None
+        pace = self.pace(None if before is None else before.levers)
+        for drawn in self._draw(missing, pace):
             store.add(drawn.row, drawn.array)
             done += 1
             self._tell(done)
@@ -181,24 +215,24 @@ class Animation:
         write_plot(outputs.plot, rows, self.settings.scene.name)
         return rows
 
-    def _draw(self, frames: list[int]) -> Iterator[Drawn]:
+    def _draw(self, frames: list[int], pace: Pace) -> Iterator[Drawn]:
         """Frames as they get ready; what one frame says of itself is said once."""
         said: set[str] = set()
-        for drawn in self._run(frames):
+        for drawn in self._run(frames, pace):
             for note in drawn.notes:
                 if note not in said:
                     said.add(note)
                     self._reports.notice(f"frame {drawn.row.frame}: {note}")
             yield drawn
 
-    def _run(self, frames: list[int]) -> Iterable[Drawn]:
+    def _run(self, frames: list[int], pace: Pace) -> Iterable[Drawn]:
         """Frames from a board, this process, or several."""
         if self.settings.port.dask is not None:
             return self._on_workers(frames)
         if self.settings.port.port is not None:
-            return self._on_board(frames)
+            return self._on_board(frames, pace)
         if self._jobs == 1 or len(frames) < 2:
-            return (self._one(number, self.frame_settings(number)) for number in frames)
+            return (self._one(number, self.frame_settings(number), pace) for number in frames)
         from joblib import Parallel, delayed
 
         run = Parallel(n_jobs=min(self._jobs, len(frames)), return_as="generator_unordered")
@@ -209,10 +243,10 @@ class Animation:
         results: Iterator[Drawn] = run(calls)
         return results
 
-    def _one(self, frame: int, settings: RenderSettings) -> Drawn:
-        return draw_frame(frame, self.motion.pose(frame), settings, self._measures)
+    def _one(self, frame: int, settings: RenderSettings, pace: Pace) -> Drawn:
+        return draw_frame(frame, self.motion.pose(frame), settings, self._measures, pace)
 
-    def _on_board(self, frames: list[int]) -> Iterator[Drawn]:
+    def _on_board(self, frames: list[int], pace: Pace) -> Iterator[Drawn]:
         """Frames drawn one after the other by a board that stays open."""
         from quadshade.rendering.board import board_for
 
@@ -222,11 +256,14 @@ class Animation:
         with board_for(self.frame_settings(frames[0]), replace(self._reports, progress=None)) as board:
             opened = PortChoice(board, pack_error=port.pack_error, verify=port.verify)
             for number in frames:
-                before = board.statistics["bytes_sent"]
+                before, late = board.statistics["bytes_sent"], getattr(board, "late", 0)
                 placed = self.frame_settings(number).of_scene(generics=())
-                drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()))
+                drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()), pace)
                 sent = int(board.statistics["bytes_sent"] - before)
-                yield drawn._replace(row=replace(drawn.row, bytes=sent))
+                row = replace(drawn.row, bytes=sent)
+                if self.settings.adapt.frame_time is not None:
+                    row = replace(row, late=getattr(board, "late", 0) - late)
+                yield drawn._replace(row=row)
 
     def _on_workers(self, frames: list[int]) -> Iterator[Drawn]:
         """Frames drawn by the workers of a Dask scheduler, as they get ready."""
@@ -283,7 +320,9 @@ def draw_frame_there(stage: Stage, motion: Motion, measures: bool, place: Place,
     return drawn._replace(row=replace(drawn.row, bytes=sent))
 
 
-def draw_frame(frame: int, pose: Pose, settings: RenderSettings, measures: bool) -> Drawn:
+def draw_frame(
+    frame: int, pose: Pose, settings: RenderSettings, measures: bool, pace: Pace | None = None
+) -> Drawn:
     """
     Draw a frame, and measure it.
 
@@ -296,21 +335,27 @@ def draw_frame(frame: int, pose: Pose, settings: RenderSettings, measures: bool)
       Of the frame.
     measures : bool
       Whether to compare it with Phong shading.
+    pace : Pace, optional
+      Of the frames before, where there is a frame time.
 
     Returns
     -------
     Drawn
     """
-    picture = render_picture(settings, Reports(notice=lambda _: None))
+    picture = render_picture(settings, QUIET, pace)
     stats = picture.stats
     largest = rms = None
     if measures:
-        reference = picture.array if stats.shading == PHONG else picture.phong().array
-        largest = int(error_map(picture.array, reference).max())
-        rms = round(255 / 10 ** (psnr(picture.array, reference) / 20), 4)
+        reference = picture.array if stats.shading == PHONG else picture.phong_array()
+        largest, rms = largest_and_rms(picture.array, reference)
+        rms = round(rms, 4)
     size = None if stats.words is None else 4 * stats.words
     turned = (pose.turn, pose.light_orbit)
     row = FrameRow(frame, *turned, len(picture.triangles), size, stats.clocks, largest, rms)
+    if (timing := stats.timing) is not None:
+        names = ("faces", "shading", "step", "line_bytes")
+        kept = {name: timing[name] for name in names} | {"board_clocks": timing["clocks_whole"]}
+        row = replace(row, deadline_clocks=timing["deadline"], **kept)
     return Drawn(row, picture.array, picture.notes)
 
 

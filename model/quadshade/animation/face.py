@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from quadshade.animation.animate import Animation
 from quadshade.animation.motion import Motion
+from quadshade.choices import AUTO
 from quadshade.rendering.settings import RenderSettings, Reports
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ def turn(
     degrees: float | None = None,
     light_orbit: float | None = None,
     keyframes: str | Path | Sequence[Mapping[str, Any]] | None = None,
+    frame_time: float | str | None = None,
     errors: bool = True,
     jobs: int = 1,
     reports: Reports | None = None,
@@ -50,6 +52,9 @@ def turn(
     keyframes : str, Path or sequence of mappings, optional
       A JSON file or a list of key frames, such as ``{"frame": 0, "turn": 0, "fov": 20}``
       (``docs/guide/turn.md``).
+    frame_time : float or str, optional
+      Milliseconds in which a board has to have each frame, as of :func:`quadshade.render`; ``auto``: as long
+      as it is shown.
     errors : bool
       Measure each frame against Phong shading.
     jobs : int
@@ -70,5 +75,7 @@ def turn(
       What cannot be drawn as it is asked for: the message says what is wrong, the hint what to do.
     """
     motion = Motion(frames, fps, axis, degrees, light_orbit, keyframes)
-    settings = RenderSettings.collect({"scene": scene, **render})
+    if isinstance(frame_time, str) and frame_time == AUTO:
+        frame_time = 1000 / fps
+    settings = RenderSettings.collect({"scene": scene, "frame_time": frame_time, **render})
     return Animation(settings, motion, errors, jobs, reports)

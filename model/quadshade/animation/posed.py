@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from quadshade.rendering.settings import RenderSettings
 from quadshade.scene import Camera, Mesh, parse_camera
 from quadshade.scene.camera import CAMERA_KEYS
 from quadshade.scene.key_values import parse_settings
+from quadshade.scene.turned import Detail, Turn
 from quadshade.shading import DirectionalLight, Light, PointLight, default_lights, parse_light
 
 
@@ -28,10 +30,15 @@ class Stage:
     mesh : Mesh
       Its scene, read once.
     motion : Motion
+    name : str or Path, optional
+      The scene's.
     """
 
-    def __init__(self, settings: RenderSettings, mesh: Mesh, motion: Motion) -> None:
+    def __init__(
+        self, settings: RenderSettings, mesh: Mesh, motion: Motion, name: str | Path | None = None
+    ) -> None:
         self._settings, self._mesh, self._motion = settings, mesh, motion
+        self._detail = Detail(mesh, name)
         self._centre = mesh.bounds[0]
         self._camera = settings.scene.camera
         self._check()
@@ -48,7 +55,7 @@ class Stage:
         """Settings of a frame, counted from 0."""
         pose, scene = self._motion.pose(number), self._settings.scene
         camera = self._camera_at(pose)
-        turned = self._turned(rotation(self._motion.direction, pose.turn))
+        turned = Turn(rotation(self._motion.direction, pose.turn), self._centre, self._detail)
         lights = self._lights_at(pose, camera)
         exponent = scene.exponent if pose.exponent is None else pose.exponent
         return self._settings.of_scene(scene=turned, camera=camera, lights=lights, exponent=exponent)
@@ -65,13 +72,6 @@ class Stage:
         pairs = [*kept.items(), *pose.camera.items()]
         text = ",".join(f"{key}={','.join(map(repr, value))}" for key, value in pairs)
         return parse_camera(text, self._mesh)
-
-    def _turned(self, by: Floats) -> Mesh:
-        """The mesh turned about its middle."""
-        if (by == np.eye(3)).all():
-            return self._mesh
-        vertices = (self._mesh.vertices - self._centre) @ by.T + self._centre
-        return replace(self._mesh, vertices=vertices, normals=self._mesh.normals @ by.T)
 
     def _lights_at(self, pose: Pose, camera: Camera) -> Sequence[str | Light] | str | Light:
         """The lights, turned about the scene's middle; the default ones leave the viewer's side for that."""

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from quadshade.files.atomic import write_atomically
+from quadshade.rendering.timing import Levers
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,12 @@ class FrameRow:
     largest_error : int or None
       Grey levels against Phong shading; None where it was not measured.
     rms_error : float or None
+    faces, shading, step : int, str and int, or None
+      Levers of a frame time: triangles of the level of detail, kind of channels, place on its curve.
+    line_bytes, board_clocks, deadline_clocks : int or None
+      What a frame takes on the line, and on the board until it is drawn, at most; and what it may take.
+    late : int or None
+      1 where a board missed the deadline.
     """
 
     frame: int
@@ -40,6 +47,20 @@ class FrameRow:
     clocks: int | None
     largest_error: int | None
     rms_error: float | None
+    faces: int | None = None
+    shading: str | None = None
+    step: int | None = None
+    line_bytes: int | None = None
+    board_clocks: int | None = None
+    deadline_clocks: int | None = None
+    late: int | None = None
+
+    @property
+    def levers(self) -> Levers | None:
+        """What the frame after it begins with, in a frame time."""
+        if self.faces is None or self.shading is None or self.step is None:
+            return None
+        return Levers(self.faces, self.shading, self.step)
 
 
 def write_table(path: Path, rows: Sequence[FrameRow]) -> None:
@@ -71,6 +92,13 @@ def write_plot(path: Path, rows: Sequence[FrameRow], title: str) -> None:
     curves: list[tuple[str, list[tuple[str, Sequence[float | None]]]]] = [
         ("bytes a frame", [("", [row.bytes for row in rows])]),
         ("clocks a frame", [("", [row.clocks for row in rows])]),
+        (
+            "clocks of the board",
+            [
+                ("until it is drawn", [row.board_clocks for row in rows]),
+                ("frame time", [row.deadline_clocks for row in rows]),
+            ],
+        ),
         (
             "error (grey levels)",
             [

@@ -30,7 +30,8 @@ def animation_key(settings: RenderSettings, mesh: Mesh, motion: Motion, errors: 
     parts = (scene.scene, scene.setup, scene.adapt, scene.style, settings.engine.engine)
     # Workers' engines draw what an engine here does.
     board = (settings.port.port is not None, settings.port.added_error, settings.port.verify)
-    digest = hashlib.sha256(json.dumps([motion.content(), errors, board, code_digest()]).encode())
+    line = None if settings.adapt.frame_time is None else settings.port.baud
+    digest = hashlib.sha256(json.dumps([motion.content(), errors, board, line, code_digest()]).encode())
     try:
         digest.update(pickle.dumps(parts))
     except (pickle.PicklingError, AttributeError, TypeError):

@@ -11,14 +11,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from quadshade.board.fallbacks import (
-    clear_word,
-    host_formats,
-    matched_channels,
-    painters_formats,
-    painters_notice,
-    painters_order,
-)
+from quadshade.board import fallbacks
+from quadshade.board.frame_time import Watch
 from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
@@ -35,7 +29,7 @@ from quadshade.golden.board import DrawnScreen
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
-from quadshade.packing.pack import pack_primitives, packed_writes
+from quadshade.packing.pack import packed_writes
 from quadshade.setup.triangle_setup import setup_triangles
 
 REDRAWS = 5
@@ -84,6 +78,8 @@ class Board(BoardReader):
     identity : dict of int
       All that HELLO says.
     session : Session
+    late : int
+      Pictures that missed their deadline.
 
     Raises
     ------
@@ -121,9 +117,8 @@ class Board(BoardReader):
             # A simulated board has been compiled by now, which is no part of a rate.
             self._start = time.monotonic()
             self.identity = self.session.identity
-            names = Formats().generics()
-            self.formats = Formats(**{name: self.identity[name] for name in names})
-            self.host_formats = host_formats(self.formats)
+            self.formats = Formats(**{name: self.identity[name] for name in Formats().generics()})
+            self.host_formats = fallbacks.host_formats(self.formats)
             self.width, self.height = self.identity["screen_width"], self.identity["screen_height"]
             size, has_edges = (self.width, self.height), has_feature(self.identity, "edge_map")
             self._expected = DrawnScreen(*size, self.formats, has_edges, self.colour_bits)
@@ -132,6 +127,7 @@ class Board(BoardReader):
             self._journal: list[Callable[[], None]] = []
             self._registers: dict[int, int] = {}
             self._pixels: list[Pixels] = []
+            self.late = 0
             self.clear()
         except BaseException:
             self.close()
@@ -212,7 +208,7 @@ class Board(BoardReader):
         QuadshadeError
           Other than three whole numbers from 0 to 255.
         """
-        self._begin(clear_word(colour, self.formats))
+        self._begin(fallbacks.clear_word(colour, self.formats))
 
     def _begin(self, word: int) -> None:
         """CLEAR, and a journal that begins with it."""
@@ -263,6 +259,7 @@ class Board(BoardReader):
         triangles: ScreenTriangles,
         pack_error: float = PACK_ERROR,
         limit: float | None = MAX_ERROR,
+        deadline: float | None = None,
         **setup: Any,
     ) -> None:
         """
@@ -277,27 +274,35 @@ class Board(BoardReader):
           As for :func:`quadshade.packing.pack.pack_primitives`.
         limit, **setup
           As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
+        deadline : float, optional
+          Seconds that line and board may take for the picture, its :meth:`clear` included; words get shorter for
+          it, to half a grey level. :attr:`late` counts what a bad line has delayed nevertheless.
 
         Raises
         ------
         QuadshadeError
-          The picture is larger than the screen, or the triangles have channels that the board cannot draw.
+          The picture is larger than the screen, the triangles have channels that the board cannot draw, or they
+          would miss the deadline: then nothing is sent.
         """
-        matched, notices = matched_channels(triangles, self.formats)
+        matched, notices = fallbacks.matched_channels(triangles, self.formats)
         self._check_size(matched.width, matched.height)
         if self.formats.with_depth == 0 and matched.depth is not None:
-            matched = painters_order(matched)
-            drawing = draw_model(matched, painters_formats(self.formats), "model", limit=limit, **setup)
-            self._pixels.append(drawing.pixels)
-            notices.append(painters_notice(self._pixels, self.width, self.height))
+            matched = fallbacks.painters_order(matched)
+            formats = fallbacks.painters_formats(self.formats)
+            self._pixels.append(draw_model(matched, formats, "model", limit=limit, **setup).pixels)
+            notices.append(fallbacks.painters_notice(self._pixels, self.width, self.height))
             matched = replace(matched, depth=None)
-        for text in notices:
-            self._notice(text)
         primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
-        words = pack_primitives(primitives, self.formats, pack_error, matched.shade).words
+        watch = Watch(self.session, self.clock, self.simulated is None, deadline)
+        packed = watch.packed(primitives, matched.shade, self.formats, pack_error)
+        for text in (*notices, *watch.notices):
+            self._notice(text)
         if matched.shade is not None:
-            self.state(matched.shade, words)
-        self.send(words, len(triangles))
+            self.state(matched.shade, packed.words)
+        self.send(packed.words, len(triangles))
+        if watch.is_late():
+            self.late += 1
+            self._notice("late: the picture has missed its deadline")
 
     def send(self, words: np.ndarray, triangles: int = 0) -> None:
         """
@@ -315,9 +320,7 @@ class Board(BoardReader):
           Something else than an array of words.
         """
         if not isinstance(words, np.ndarray) or words.ndim != 1 or words.dtype != np.uint32:
-            raise QuadshadeError(
-                "what is to be sent is no row of uint32 words", "send those of pack_primitives"
-            )
+            raise QuadshadeError("what is sent is no row of uint32 words", "send those of pack_primitives")
         self._check_drawn()
         self._do(lambda: self._stream(words, triangles))
         self._triangles += triangles

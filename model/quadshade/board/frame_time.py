@@ -10,6 +10,7 @@ after the other, and a clear fills the screen. ``make frametime`` compares it wi
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,16 +22,18 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import MAX_PAYLOAD, WORD_BYTES, Opcode
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.errors import QuadshadeError
 from quadshade.golden.clocks import count_board_clocks
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.compiled_packets import decode_packets
 from quadshade.golden.line_clocks import Line
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.screen.depth_test import empty_depths, kept_pixels
+from quadshade.link.session import Session
 from quadshade.packing.frame_file import state_runs
 from quadshade.packing.line import frame_bytes
-from quadshade.packing.pack import pack_primitives
-from quadshade.setup.packet import pack
+from quadshade.packing.pack import Packed, pack_primitives, packed_writes
+from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.triangle_setup import setup_triangles
 
 BITS_A_BYTE = 10
@@ -95,7 +98,7 @@ def commands_of(words: np.ndarray, state: ShadeState | None, formats: Formats) -
     """Frames that draw packed words, in order: opcode and words of payload."""
     commands = [(Opcode.CLEAR, 1)]
     if formats.with_shade:
-        writes = (colour_state(formats) if state is None else state).writes()
+        writes = packed_writes(words, colour_state(formats) if state is None else state, formats)
         most = MAX_PAYLOAD // WORD_BYTES - 1
         for _, run in state_runs(writes):
             commands += [(Opcode.STATE, 1 + min(most, len(run) - at)) for at in range(0, len(run), most)]
@@ -136,6 +139,34 @@ def picture_clocks(
     clock : BoardClock
     error, limit, **setup
       As for :func:`quadshade.packing.line.picture_line_bytes`.
+    sizes
+      As for :func:`packed_clocks`.
+
+    Returns
+    -------
+    PictureClocks
+    """
+    primitives = setup_triangles(triangles, formats, limit=limit, **setup)
+    packed = pack_primitives(primitives, formats, error, triangles.shade)
+    return packed_clocks(packed, triangles.shade, formats, clock, sizes)
+
+
+def packed_clocks(
+    packed: Packed,
+    state: ShadeState | None,
+    formats: Formats,
+    clock: BoardClock,
+    sizes: Sequence[int] | None = None,
+) -> PictureClocks:
+    """
+    As :func:`picture_clocks`, of what is packed already.
+
+    Parameters
+    ----------
+    packed : Packed
+    state : ShadeState or None
+    formats : Formats
+    clock : BoardClock
     sizes : sequence of int, optional
       Bytes of each frame, for the exact clocks; by default the most that they can have, and that every pixel
       is kept, which is up to some clocks more.
@@ -144,9 +175,7 @@ def picture_clocks(
     -------
     PictureClocks
     """
-    primitives = setup_triangles(triangles, formats, limit=limit, **setup)
-    packed = pack_primitives(primitives, formats, error, triangles.shade)
-    commands = commands_of(packed.words, triangles.shade, formats)
+    commands = commands_of(packed.words, state, formats)
     given = [frame_bytes(WORD_BYTES * count) for _, count in commands] if sizes is None else sizes
     last_byte = math.ceil(BITS_TO_SAMPLE * clock.clk_frequency_hz / clock.baud) + JUDGE_CLOCKS
     ends = [math.ceil(clock.clocks_of_bytes(total - 1)) + last_byte for total in np.cumsum(given).tolist()]
@@ -164,3 +193,91 @@ def picture_clocks(
     beats = np.diff(starts) // formats.beat_words
     whole, busy = count_board_clocks(beats, scanlines.first_rows, scanlines.pixels, formats, line)
     return PictureClocks(sum(given), math.ceil(clock.clocks_of_bytes(sum(given))), whole, busy)
+
+
+SHORTER = (1 / 8, 1 / 2)
+"""Grey levels that words may be packed to where a picture is late otherwise."""
+
+
+class Watch:
+    """
+    Whether a picture is in time.
+
+    Parameters
+    ----------
+    session : Session
+    clock : BoardClock
+    has_time : bool
+      The seconds of this machine count, too; for a simulated board they mean nothing.
+    deadline : float or None
+      Seconds; None: any time will do.
+
+    Attributes
+    ----------
+    notices : list of str
+      What was done for it.
+    """
+
+    def __init__(self, session: Session, clock: BoardClock, has_time: bool, deadline: float | None) -> None:
+        self._session, self._clock, self._has_time, self._deadline = session, clock, has_time, deadline
+        self.notices: list[str] = []
+        self._tail = 0.0
+
+    def packed(
+        self, primitives: Primitives, state: ShadeState | None, formats: Formats, error: float
+    ) -> Packed:
+        """
+        Primitives packed so that a picture of them is complete in time, which runs from then on.
+
+        Parameters
+        ----------
+        primitives : Primitives
+        state : ShadeState or None
+        formats : Formats
+        error : float
+          Grey levels that packing may add; more where that is too slow.
+
+        Returns
+        -------
+        Packed
+
+        Raises
+        ------
+        QuadshadeError
+          It would be late, however short its words are.
+        """
+        if self._deadline is None:
+            return pack_primitives(primitives, formats, error, state)
+        least = math.inf
+        for allowed in (error, *(one for one in SHORTER if one > error)):
+            packed = pack_primitives(primitives, formats, allowed, state)
+            clocks = packed_clocks(packed, state, formats, self._clock)
+            needed = clocks.whole / self._clock.clk_frequency_hz
+            least = min(least, needed)
+            if needed <= self._deadline:
+                if allowed != error:
+                    self.notices.append(f"words packed to {allowed:g} grey levels, to be in time")
+                # The clear went before, and the board draws on when the line has carried everything.
+                clear = self._clock.clocks_of_bytes(frame_bytes(WORD_BYTES))
+                self._tail = (clocks.whole - clocks.line + clear) / self._clock.clk_frequency_hz
+                self._start, self._before = time.monotonic(), self._line()
+                return packed
+        raise QuadshadeError(
+            f"the picture cannot be drawn in {1000 * self._deadline:g} ms, at {self._clock.baud} baud",
+            f"it takes {math.ceil(1e5 * least) / 100:g} ms: give more, or draw less",
+        )
+
+    def _line(self) -> float:
+        """Seconds of all bytes sent so far, again or not, and of answers that were waited for in vain."""
+        statistics = self._session.statistics
+        sent = self._clock.clocks_of_bytes(statistics["bytes_sent"]) / self._clock.clk_frequency_hz
+        return sent + statistics["timeouts"] * self._session.answer_seconds
+
+    def is_late(self) -> bool:
+        """Whether the picture has taken more than its time, once everything is accepted."""
+        if self._deadline is None:
+            return False
+        spent = self._line() - self._before
+        if self._has_time:
+            spent = max(spent, time.monotonic() - self._start)
+        return spent + self._tail > self._deadline

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from quadshade.board.fallbacks import COLOURS, clear_word
+from quadshade.board.frame_time import BoardClock
+from quadshade.board.ports import Port
 from quadshade.choices import parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.identity import colour_bits, plane_bytes
@@ -25,6 +27,7 @@ class BoardReader:
     """The reading half of :class:`quadshade.board.Board`, which has the attributes below."""
 
     session: Session
+    _port: Port
     identity: dict[str, int]
     formats: Formats
     width: int
@@ -33,6 +36,12 @@ class BoardReader:
     _is_shown: bool
     _ask: Callable[[Callable[[], Any]], Any]
     _report: Callable[[str, float, float], None]
+
+    @property
+    def clock(self) -> BoardClock:
+        """What a picture's time depends on."""
+        baud = self._port.baud or self.session.default_baud
+        return BoardClock(self.identity["clk_frequency_hz"], baud, self.width, self.height)
 
     def _check_size(self, width: int, height: int) -> None:
         for name, number in (("width", width), ("height", height)):

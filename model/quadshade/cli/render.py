@@ -8,13 +8,16 @@ from typing import Any
 
 import click
 
+from quadshade.choices import parse_fps, parse_frame_time
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import (
     GENERICS_EPILOG,
+    Parsed,
     TitledCommand,
     add_options,
     dask_option,
     engine_option,
+    option,
     output_option,
     stats_option,
     supersample_option,
@@ -22,7 +25,9 @@ from quadshade.cli.options import (
 )
 from quadshade.cli.port_options import port_options, resume_option, tiles_folder, with_board
 from quadshade.cli.scene_options import (
+    CLOCK_OPTIONS,
     ERROR_OPTIONS,
+    FRAME_TIME,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
     VERIFY_PICTURE,
@@ -33,6 +38,7 @@ from quadshade.cli.scene_options import (
 )
 from quadshade.cli.style_options import GBUFFER_OPTIONS, STYLE_OPTIONS
 from quadshade.cli.terminal import reporting, say_statistics
+from quadshade.errors import QuadshadeError
 
 
 @click.command(cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Draw a mesh file or a generated scene.")
@@ -40,6 +46,11 @@ from quadshade.cli.terminal import reporting, say_statistics
     scene_options("512x512, or with --port the board's screen", "black; white with --style or --edges"),
     shading_options(),
     ERROR_OPTIONS,
+    [
+        option("Accuracy", "--frame-time", type=Parsed("MS", parse_frame_time), help=FRAME_TIME),
+        option("Accuracy", "--fps", type=Parsed("N", parse_fps), help="--frame-time as frames a second."),
+    ],
+    CLOCK_OPTIONS,
     verify_options("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
@@ -51,7 +62,9 @@ from quadshade.cli.terminal import reporting, say_statistics
     [resume_option, dask_option],
     [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )
-def render(scene: str, output: Path, stats: Path | None, resume: bool, **options: Any) -> None:
+def render(
+    scene: str, output: Path, stats: Path | None, fps: float | None, resume: bool, **options: Any
+) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
 
@@ -66,6 +79,7 @@ def render(scene: str, output: Path, stats: Path | None, resume: bool, **options
     quadshade render torus:288 -o torus.png --generic stream_width=128
     quadshade render sphere:690 -o sphere.png --max-error 4
     quadshade render sphere:690 -o sphere.png --budget 30000bytes --error-measure rms
+    quadshade render sphere:690 -o sphere.png --fps 10 --port sim
     quadshade render part.stl -o part.png --style gooch --edges profile,inner
     quadshade render sphere:690 -o sphere.png --port sim
     quadshade render sphere:690 -o sphere.png --size 1920x1080 --port sim:4
@@ -79,6 +93,10 @@ def render(scene: str, output: Path, stats: Path | None, resume: bool, **options
             import trimesh  # noqa: F401 - what divides it takes it from there
 
     check_png(output)
+    if fps is not None:
+        if options["frame_time"] is not None:
+            raise QuadshadeError("--fps and --frame-time are given", "give one of them")
+        options["frame_time"] = 1000 / fps
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
     if keywords["port"] is not None or keywords["dask"] is not None:

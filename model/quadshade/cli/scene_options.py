@@ -20,6 +20,7 @@ from quadshade.choices import (
     STEPPINGS,
     VERIFIES,
     parse_budget,
+    parse_clock,
     parse_limit,
     parse_lod,
     parse_pack_error,
@@ -58,6 +59,21 @@ ERROR_OPTIONS: list[Decorator] = [
         help="What --max-error and --budget mean by error: the largest of any pixel, or the root mean "
         "square.  [default: max]",
     ),
+]
+
+FRAME_TIME = (
+    "Adaptive: the least error that is complete on a board when so many milliseconds are over; level of "
+    "detail, channels, orders and division are chosen for it. Without --port for a line of --baud and a core "
+    "of --clock (docs/guide/frame_time.md)."
+)
+
+CLOCK_OPTIONS: list[Decorator] = [
+    option(
+        "Accuracy",
+        "--clock",
+        type=Parsed("MHZ", parse_clock),
+        help="Of the core that --frame-time is for, without --port.  [default: 100]",
+    )
 ]
 
 GENERIC_OPTIONS: list[Decorator] = [generic_option]

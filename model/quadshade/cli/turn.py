@@ -8,9 +8,11 @@ from typing import Any
 
 import click
 
+from quadshade.choices import parse_turn_time
 from quadshade.cli.interrupts import leave_at_once
 from quadshade.cli.options import (
     GENERICS_EPILOG,
+    Parsed,
     TitledCommand,
     add_options,
     dask_option,
@@ -20,7 +22,9 @@ from quadshade.cli.options import (
 )
 from quadshade.cli.port_options import port_options, with_board
 from quadshade.cli.scene_options import (
+    CLOCK_OPTIONS,
     ERROR_OPTIONS,
+    FRAME_TIME,
     GENERIC_OPTIONS,
     PACK_OPTIONS,
     VERIFY_PICTURE,
@@ -35,6 +39,12 @@ from quadshade.cli.terminal import reporting
 MOTION_OPTIONS = [
     option("Motion", "--frames", type=int, default=60, show_default=True, help="How many pictures."),
     option("Motion", "--fps", type=float, default=25.0, show_default=True, help="Frames a second."),
+    option(
+        "Motion",
+        "--frame-time",
+        type=Parsed("MS|auto", parse_turn_time),
+        help=f"{FRAME_TIME} auto: as long as --fps shows a frame. Level and channels stay.",
+    ),
     option(
         "Motion",
         "--axis",
@@ -103,6 +113,7 @@ FILM_OPTIONS = [
     MOTION_OPTIONS,
     shading_options(),
     ERROR_OPTIONS,
+    CLOCK_OPTIONS,
     verify_options("Accuracy", VERIFY_PICTURE),
     setup_options(),
     GENERIC_OPTIONS,
@@ -125,6 +136,7 @@ def turn(scene: str, output: Path, **options: Any) -> None:
     quadshade turn knot.glb -o frames --light-orbit 360 --exponent 50
     quadshade turn pawn.obj -o pawn.png --keyframes keys.json --max-error 4
     quadshade turn torus:288 -o torus.gif --frames 8 --port sim
+    quadshade turn torus:1152 -o torus.gif --fps 10 --frame-time auto --baud 1000000
     """
     with leave_at_once():
         from quadshade.animation.face import turn as turn_scene
@@ -140,4 +152,10 @@ def turn(scene: str, output: Path, **options: Any) -> None:
         texts.append(f"{sum(sizes) / len(sizes):.0f} bytes a frame")
     if errors:
         texts.append(f"largest error {max(errors)} grey levels")
+    times = [
+        row.board_clocks / row.deadline_clocks for row in rows if row.board_clocks and row.deadline_clocks
+    ]
+    if times:
+        late = sum(row.late or 0 for row in rows)
+        texts.append(f"{min(times):.0%} to {max(times):.1%} of the frame time, {late} frames late")
     click.echo(f"{output}: {', '.join(texts)}")

@@ -92,7 +92,8 @@ def view(scene: str, listen: str, opens: bool, size: str | None, **options: Any)
     keywords = {name: options.pop(name) for name in ("material", "crease", "cull")}
     words = [f"--{name}={keywords[name]}" for name in ("material", "crease") if keywords[name]]
     words += [] if keywords["cull"] else ["--no-cull"]
-    viewed = Viewed(scene, load_scene(scene, keywords["crease"]), keywords | {"crease": None}, tuple(words))
+    crease = keywords["crease"]
+    viewed = Viewed(scene, load_scene(scene, crease), keywords | {"crease": None}, tuple(words), crease)
     with ExitStack() as stack, reporting() as reports:
         reports.step(f"drawing {scene} for the first time")
         viewed.show(state, True)

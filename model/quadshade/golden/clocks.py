@@ -15,7 +15,7 @@ import numpy as np
 
 from quadshade.contract.arrays import Ints
 from quadshade.contract.formats import Formats
-from quadshade.golden.line_clocks import PLACE, BoardPlace, Line, board_clock, is_done, no_line
+from quadshade.golden.line_clocks import PLACE, BoardPlace, Line, board_clock, is_done, no_line, pause
 
 WALK_STAGES = 7
 """Generic ``walk_stages`` of ``rtl/core/edge_walker.vhd``."""
@@ -114,10 +114,13 @@ def _count_clocks(
         take = walk and full and (not valid_0 or last_0) and not first_0 and not first_1
         ready = packet < packets and not full and not (beat >= words_beat and first_0)
         if has_line:
-            busy = full or beat > 0 or valid_0 or in_chain > 0 or left > 0 or clamped or front or spare
-            busy = busy or shown or shown_spare or bool(behind.any()) or _walks(stages, head)
+            moves = full or valid_0 or in_chain > 0 or left > 0 or clamped or front or spare or shown
+            moves = moves or shown_spare or bool(behind.any()) or _walks(stages, head)
+            busy = moves or beat > 0
             if is_done(line, board, busy):
                 return cycle
+            if not moves:
+                cycle += pause(line, board, cycle, busy)
             offered_beat = board.full == 1
             board_clock(line, board, cycle, ready, pixel_out, busy)
             ready = ready and offered_beat

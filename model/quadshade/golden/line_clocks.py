@@ -89,6 +89,21 @@ def is_done(line: Line, board: BoardPlace, core_busy: bool) -> bool:
 
 
 @numba.njit(cache=True)
+def pause(line: Line, board: BoardPlace, cycle: int, core_busy: bool) -> int:
+    """Clocks in which nothing changes, as everything waits for the next frame's end; they are counted."""
+    starved = board.step == len(line.steps) or (line.steps[board.step] & TAKES) != 0
+    still = starved and board.waiting == 0 and not board.full and board.closed == 0 and board.flying == 0
+    resting = board.step == len(line.steps) or (line.steps[board.step] & RESTS) != 0
+    settled = board.idle == int(not core_busy and resting)
+    if not (still and settled) or board.place in (_SETTLE, _CLEAR) or board.arrived == len(line.commands):
+        return 0
+    clocks = max(line.commands[board.arrived, 2] - cycle - 1, 0)
+    if not board.idle:
+        board.clocks_busy += clocks
+    return int(clocks)
+
+
+@numba.njit(cache=True)
 def board_clock(
     line: Line, board: BoardPlace, cycle: int, setup_ready: bool, pixel_out: bool, core_busy: bool
 ) -> None:

@@ -47,6 +47,13 @@ class Comparison:
         return 255.0 / 10.0 ** (self.psnr / 20.0)
 
 
+def _check_sizes(one: np.ndarray, other: np.ndarray) -> None:
+    """Refuse pictures of different sizes."""
+    if one.shape != other.shape:
+        sizes = " and ".join(f"{picture.shape[1]}x{picture.shape[0]}" for picture in (one, other))
+        raise QuadshadeError(f"the pictures are {sizes}", "compare pictures of one size")
+
+
 def error_map(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """
     Largest difference over the channels, at every pixel.
@@ -65,9 +72,7 @@ def error_map(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     QuadshadeError
       Pictures of different sizes.
     """
-    if one.shape != other.shape:
-        sizes = " and ".join(f"{picture.shape[1]}x{picture.shape[0]}" for picture in (one, other))
-        raise QuadshadeError(f"the pictures are {sizes}", "compare pictures of one size")
+    _check_sizes(one, other)
     return np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=-1)
 
 
@@ -85,6 +90,31 @@ def psnr(one: np.ndarray, other: np.ndarray) -> float:
     """
     error = float(np.mean((one.astype(np.float64) - other.astype(np.float64)) ** 2))
     return float(10 * np.log10(255.0**2 / error)) if error > 0 else float("inf")
+
+
+def largest_and_rms(one: np.ndarray, other: np.ndarray) -> tuple[int, float]:
+    """
+    Largest and root mean square difference of two pictures in one compiled pass.
+
+    Parameters
+    ----------
+    one, other : (height, width, 3) uint8
+
+    Returns
+    -------
+    int, float
+      Grey levels.
+
+    Raises
+    ------
+    QuadshadeError
+      Pictures of different sizes.
+    """
+    from quadshade.image.visible_loops import differences
+
+    _check_sizes(one, other)
+    largest, square = differences(np.ascontiguousarray(one).ravel(), np.ascontiguousarray(other).ravel())
+    return int(largest), float(np.sqrt(square / one.size))
 
 
 def compare(one: np.ndarray, other: np.ndarray) -> Comparison:

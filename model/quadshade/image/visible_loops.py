@@ -61,3 +61,15 @@ def fill(picture: Bytes, shown: Ints, value: npt.NDArray[np.int32]) -> None:
                 channel = 0 if channels == 1 else colour
                 level = value[index, channel] if channel < channels else 0
                 picture[row, column, colour] = min(max(level, 0), 255)
+
+
+@njit(cache=True)
+def differences(one: Bytes, other: Bytes) -> tuple[int, int]:
+    """The largest difference of two rows of bytes, and the sum of all differences' squares."""
+    largest, total = 0, 0
+    for index in range(len(one)):
+        # Bytes are unsigned, and so would be their difference.
+        off = abs(int(np.int64(one[index])) - int(np.int64(other[index])))
+        largest = max(largest, off)
+        total += off * off
+    return largest, total

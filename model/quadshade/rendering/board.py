@@ -22,6 +22,7 @@ from quadshade.files.triangle_file import open_triangles, screen_size
 from quadshade.golden.screen.edge_map import edge_map
 from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
+from quadshade.rendering.in_time import Pace, in_time
 from quadshade.rendering.levels import best_level, level_note
 from quadshade.rendering.open_board import opened, screen_of, simulated_screen, workers_screen
 from quadshade.rendering.picture import Picture, Stats
@@ -97,7 +98,7 @@ def worker_place(settings: RenderSettings) -> Place:
     return Place(port.port, built, settings.engine.engine, port.baud, faults, port.timeout)
 
 
-def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
+def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | None = None) -> Picture:
     """
     Draw a scene on a board and fetch what it shows.
 
@@ -106,6 +107,8 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
     settings : RenderSettings
       Styled. Without a size the picture is as large as the board's screen.
     reports : Reports
+    pace : Pace, optional
+      Of the frames before, where there is a frame time.
 
     Returns
     -------
@@ -124,6 +127,14 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         formats = settings.checked()
         count = board_count(settings, board.formats)
         scene = best_level(settings, show_scene(settings, formats, reports), formats, reports, count)
+        timing = None
+        deadline: dict[str, float] = {}
+        if settings.adapt.frame_time is not None:
+            if isinstance(board, TiledScreen):
+                raise QuadshadeError("a frame time for a picture in tiles", "leave it out, or give one board")
+            paced = pace or Pace()
+            scene, timing = in_time(settings, scene, formats, board.clock, reports, paced, board.formats)
+            deadline = {"deadline": timing.milliseconds / 1000}
         reports.step(f"shading {len(scene.projected)} triangles")
         shaded = shade_scene(settings, scene, formats, reports, count)
         triangles, (width, height) = shaded.triangles, settings.scene.pixels
@@ -131,7 +142,7 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
         for by in jitter(choice.supersample, formats):
             placed = replace(scene, projected=moved(scene.projected, by, formats))
             board.clear(scene.ground)
-            board.draw(moved(triangles, by, formats), pack_error, **settings.setup.arguments())
+            board.draw(moved(triangles, by, formats), pack_error, **deadline, **settings.setup.arguments())
             if isinstance(board, TiledScreen) and _needs_depth(settings, board):
                 # In one go: each tile is drawn once for both.
                 board.read_planes(("colour", "depth"), width, height, port.verify)
@@ -151,8 +162,9 @@ def render_on_board(settings: RenderSettings, reports: Reports) -> Picture:
             adaptive=None if shaded.adapted is None else shaded.adapted.mix(),
             port=port.name,
             line=board.statistics,
+            timing=None if timing is None else timing.as_dict(),
         )
-    note = adapt_note(shaded)
+    note = adapt_note(shaded) + ("" if timing is None else timing.note())
     summary = (
         f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
         + (f", in {board.tiles} tiles" if isinstance(board, TiledScreen) else "")

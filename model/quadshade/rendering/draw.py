@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +21,9 @@ from quadshade.files.atomic import write_atomically
 from quadshade.files.triangle_file import open_triangles
 from quadshade.image import paint, visible
 from quadshade.rendering.groups import COLOUR_CHANNELS, EngineChoice, SetupChoice
+from quadshade.rendering.in_time import Pace, assumed_clock, in_time
 from quadshade.rendering.levels import best_level, level_note
+from quadshade.rendering.phong_over import is_whole, phong_over
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import Shaded, ShownScene, default_count, shade_scene, show_scene
@@ -28,7 +31,9 @@ from quadshade.rendering.supersample import jitter, mean, moved
 from quadshade.shading.reference import phong
 
 
-def render_picture(settings: RenderSettings, reports: Reports | None = None) -> Picture:
+def render_picture(
+    settings: RenderSettings, reports: Reports | None = None, pace: Pace | None = None
+) -> Picture:
     """
     Draw a scene with an engine or on a board.
 
@@ -36,6 +41,8 @@ def render_picture(settings: RenderSettings, reports: Reports | None = None) -> 
     ----------
     settings : RenderSettings
     reports : Reports, optional
+    pace : Pace, optional
+      Of the frames before, where there is a frame time.
 
     Returns
     -------
@@ -59,13 +66,13 @@ def render_picture(settings: RenderSettings, reports: Reports | None = None) -> 
     if settings.port.is_given:
         from quadshade.rendering.board import render_on_board
 
-        picture = render_on_board(settings, reports)
+        picture = render_on_board(settings, reports, pace)
     else:
-        picture = _render_with_engine(settings, reports)
+        picture = _render_with_engine(settings, reports, pace)
     return replace(picture, notes=tuple(notes))
 
 
-def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
+def _render_with_engine(settings: RenderSettings, reports: Reports, pace: Pace | None) -> Picture:
     """As :func:`render_picture`, without a board."""
     formats = settings.checked()
     choice = settings.scene
@@ -74,6 +81,10 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     engine = settings.engine.engine or ("model" if shading == PHONG else default_engine())
     scene = show_scene(settings, formats, reports)
     scene = best_level(settings, scene, formats, reports, default_count(settings))
+    timing = None
+    if settings.adapt.frame_time is not None:
+        clock = assumed_clock(settings)
+        scene, timing = in_time(settings, scene, formats, clock, reports, pace or Pace())
     projected = scene.projected
     reports.step(f"drawing {len(projected)} triangles with the engine {engine}")
     shaded = shade_scene(settings, scene, formats, reports)
@@ -85,6 +96,9 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
     adaptive, note = adapt_report(settings, scene, shaded, drawing)
     kind = "adaptive" if adaptive else shading
     stats = _stats(drawing, choice.name, kind, scene, shown, adaptive, gbuffer)
+    if timing is not None:
+        stats = replace(stats, timing=timing.as_dict())
+        note += timing.note()
     if len(projected) and not (shown >= 0).any():
         reports.notice("the picture is empty: no triangle covers a pixel's centre; give a larger --size")
     clocks = "" if shading == PHONG else f", {stats.clocks} clocks"
@@ -95,7 +109,10 @@ def _render_with_engine(settings: RenderSettings, reports: Reports) -> Picture:
         f"{clocks}{frames}{undefined_note(drawing, settings.setup)}{note}"
     )
     triangle, depth = _seen(drawing, shown, formats)
-    return Picture(array, stats, shaded.triangles, triangle, depth, (), summary, settings)
+    picture = Picture(array, stats, shaded.triangles, triangle, depth, (), summary, settings)
+    if is_whole(settings, scene, drawing):
+        picture = replace(picture, shades=partial(phong_over, scene, triangle, formats))
+    return picture
 
 
 class Frame(NamedTuple):

@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     import trimesh
 
     from quadshade.scene import Camera, Mesh
+    from quadshade.scene.turned import Turn
     from quadshade.shading import Light, Material
     from quadshade.shading.material import Reflectance
 
 
 def render(
-    scene: str | Path | Mesh | trimesh.Trimesh | trimesh.Scene,
+    scene: str | Path | Mesh | Turn | trimesh.Trimesh | trimesh.Scene,
     *,
     shading: str | None = None,
     size: str | tuple[int, int] | None = None,
@@ -51,6 +52,8 @@ def render(
     max_error: float | None = None,
     budget: str | int | tuple[int, str] | None = None,
     error_measure: str | None = None,
+    frame_time: float | None = None,
+    clock: float | None = None,
     verify: bool | str = True,
     style: str = "none",
     edges: str | Sequence[str] | None = None,
@@ -129,6 +132,11 @@ def render(
       that; a number is bytes.
     error_measure : str, optional
       ``max`` (the default) or ``rms``: what the two mean by error.
+    frame_time : float, optional
+      Milliseconds in which a board has to have the whole picture: the least error (``rms`` by default) that
+      its line and its core allow (``docs/guide/frame_time.md``).
+    clock : float, optional
+      MHz of the core that a frame time is for where there is no port; 100. Its line has ``baud``.
     verify : bool or str
       ``picture`` (True), ``crc`` or ``none`` (False). Compare what was drawn for a largest error with Phong
       shading, and what a board shows with the golden model: pixel by pixel, or by its CRC alone, and then the

@@ -35,7 +35,9 @@ from quadshade.choices import (
     VERIFIES,
     check_word,
     parse_budget,
+    parse_clock,
     parse_faults,
+    parse_frame_time,
     parse_limit,
     parse_lod,
     parse_pack_error,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     import trimesh
 
     from quadshade.scene import Camera, Mesh
+    from quadshade.scene.turned import Turn
     from quadshade.shading import Light, Material
     from quadshade.shading.material import Reflectance
 
@@ -60,7 +63,7 @@ COLOUR_CHANNELS = 3
 class SceneChoice:
     """What is looked at, from where, in which light, and how its colours are interpolated."""
 
-    scene: str | Path | Mesh | trimesh.Trimesh | trimesh.Scene
+    scene: str | Path | Mesh | Turn | trimesh.Trimesh | trimesh.Scene
     shading: str | None = None
     size: str | tuple[int, int] | None = None
     camera: str | Camera = ""
@@ -182,14 +185,24 @@ class SetupChoice:
 
 @dataclass(frozen=True)
 class AdaptChoice:
-    """An allowed error or a budget, for which orders are chosen and triangles divided; or neither."""
+    """An allowed error, a budget or a frame time, for which orders are chosen, triangles divided; or none."""
 
     max_error: float | None = None
     budget: str | int | tuple[int, str] | None = None
     error_measure: str | None = None
     verify: bool | str = True
+    frame_time: float | None = None
+    clock: float | None = None
 
     def __post_init__(self) -> None:
+        if self.frame_time is not None:
+            parse_frame_time(self.frame_time)
+            if self.max_error is not None or self.budget is not None:
+                raise QuadshadeError("a frame time with --max-error or --budget", "give one of them")
+        if self.clock is not None:
+            parse_clock(self.clock)
+            if self.frame_time is None:
+                raise QuadshadeError("--clock is for a frame time", "give --frame-time as well")
         if self.error_measure is not None:
             check_word("error measure", self.error_measure, MEASURES)
             if not self.is_adaptive:
@@ -206,13 +219,13 @@ class AdaptChoice:
 
     @property
     def is_adaptive(self) -> bool:
-        """Whether there is an error or a budget."""
-        return self.max_error is not None or self.budget is not None
+        """Whether there is an error, a budget or a frame time."""
+        return any(given is not None for given in (self.max_error, self.budget, self.frame_time))
 
     @property
     def measure(self) -> str:
-        """What is meant by error: ``max`` by default."""
-        return self.error_measure or MEASURES[0]
+        """What is meant by error: by default ``max``, in a frame time ``rms``."""
+        return self.error_measure or MEASURES[self.frame_time is not None]
 
     @property
     def number_and_unit(self) -> tuple[int | None, str]:
@@ -323,7 +336,7 @@ class PortChoice:
 
     def __post_init__(self) -> None:
         if self.port is None:
-            for name in ("baud", "faults", "timeout", "trace", "pack_error"):
+            for name in ("faults", "timeout", "trace"):
                 if getattr(self, name) is not None:
                     raise QuadshadeError(f"--{name.replace('_', '-')} is for a board", "give --port as well")
             if parse_verify(self.verify) == "crc":

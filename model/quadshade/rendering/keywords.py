@@ -114,7 +114,9 @@ SWITCH = Kind(_is_switch, "True or False")
 FILE = Kind(_is_path, "the path of a file")
 CALLABLE = Kind(callable, "a function")
 KINDS = (
-    dict.fromkeys(("exponent", "smoothness", "jump", "crease", "max_error", "timeout"), NUMBER)
+    dict.fromkeys(
+        ("exponent", "smoothness", "jump", "crease", "max_error", "frame_time", "clock", "timeout"), NUMBER
+    )
     | dict.fromkeys(("toon", "supersample", "baud"), COUNT)
     | dict.fromkeys(("cull",), SWITCH)
     | dict.fromkeys(("gbuffer", "waves", "resume"), FILE)

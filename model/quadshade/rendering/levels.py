@@ -58,7 +58,7 @@ def best_level(
     """
     if not settings.scene.chooses_level or not len(shown.projected):
         return shown
-    reference = _phong(settings, shown, formats)
+    reference = phong_picture(settings, shown, formats)
     best, least, worse, told = None, np.inf, 0, reports
     refusal = QuadshadeError("the budget pays for no level of detail", "give more")
     faces = None
@@ -80,7 +80,7 @@ def best_level(
         finally:
             # What is told of one level holds for all.
             told = replace(reports, notice=lambda _: None)
-        error = float(np.square(_picture(adapted, scene) - reference).mean())
+        error = float(np.square(plan_picture(adapted, scene) - reference).mean())
         if error < least:
             best, least, worse = replace(scene, adapted=adapted), error, 0
         else:
@@ -98,7 +98,7 @@ def level_note(scene: ShownScene) -> str:
     return "" if scene.faces == whole else f", {scene.faces} of the mesh's {whole} triangles used"
 
 
-def _picture(adapted: Adapted, scene: ShownScene) -> np.ndarray:
+def plan_picture(adapted: Adapted, scene: ShownScene) -> np.ndarray:
     """(h, w, 3) float64: what a plan looks like."""
     pixels = draw(adapted.triangles, adapted.formats, "model").pixels
     shown = visible(pixels, scene.projected.width, scene.projected.height)
@@ -106,7 +106,7 @@ def _picture(adapted: Adapted, scene: ShownScene) -> np.ndarray:
     return paint(shown, pixels.value, scene.ground, full).astype(np.float64)
 
 
-def _phong(settings: RenderSettings, shown: ShownScene, formats: Formats) -> np.ndarray:
+def phong_picture(settings: RenderSettings, shown: ShownScene, formats: Formats) -> np.ndarray:
     """(h, w, 3) float64: Phong shading of all triangles, without strokes and edges."""
     from quadshade.rendering.draw import render_picture
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,6 +57,8 @@ class Stats:
       The board's.
     line : dict or None
       What the board's line did: bytes, frames, time-outs, seconds.
+    timing : dict or None
+      With a frame time: what the picture takes of it, and the levers that gave it.
     """
 
     engine: str | None = None
@@ -81,16 +83,18 @@ class Stats:
     gbuffer: Mapping[str, Any] | None = None
     port: str | None = None
     line: Mapping[str, float] | None = None
+    timing: Mapping[str, Any] | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """What ``--stats`` writes."""
         if self.port is not None:
             names = ["scene", "shading", "width", "height", "adaptive", "faces", "whole_faces", "generics"]
+            names.append("timing")
             content: dict[str, Any] = {"port": self.port, **(self.line or {})}
         else:
             names = [one.name for one in fields(self) if one.name not in ("port", "line")]
             content = {}
-        optional = ("adaptive", "gbuffer")
+        optional = ("adaptive", "gbuffer", "timing")
         given = {name: getattr(self, name) for name in names}
         return content | {
             name: value for name, value in given.items() if value is not None or name not in optional
@@ -129,6 +133,8 @@ class Picture:
     notes: tuple[str, ...]
     summary: str
     settings: RenderSettings
+    shades: Callable[[], np.ndarray] | None = None
+    """Phong shading of what the picture shows, where its own coverage is that of :meth:`phong`."""
 
     def __repr__(self) -> str:
         """One line, as the command line prints it."""
@@ -177,7 +183,7 @@ class Picture:
         elif isinstance(reference, np.ndarray):
             other = reference
         elif reference == PHONG:
-            other = self.phong().array
+            other = self.phong_array()
         elif not isinstance(reference, str | Path):
             raise QuadshadeError(
                 f"the reference is of type {type(reference).__name__}",
@@ -209,6 +215,10 @@ class Picture:
         from quadshade.rendering.words import SetupWords
 
         return SetupWords.of(self.triangles, Formats(**self.stats.generics), self.settings.setup)
+
+    def phong_array(self) -> np.ndarray:
+        """The pixels of :meth:`phong`, without drawing anew where that is not needed."""
+        return self.phong().array if self.shades is None else self.shades()
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""

@@ -160,8 +160,16 @@ class RenderSettings:
             )
         if scene.chooses_level and self.adapt.budget is None:
             raise QuadshadeError("--lod auto without a budget", "give --budget, or a number of triangles")
+        if self.port.port is not None and self.adapt.clock is not None:
+            raise QuadshadeError("--clock is given, and the board has its own", "leave it out")
+        if self.port.port is None and self.adapt.frame_time is None:
+            for name, value in (("baud", self.port.baud), ("pack-error", self.port.pack_error)):
+                if value is not None:
+                    raise QuadshadeError(f"--{name} is for a board", "give --port as well")
         if self.adapt.is_adaptive:
             self._check_adaptive()
+        if self.adapt.frame_time is not None and scene.supersample != 1:
+            raise QuadshadeError("--supersample with a frame time", "leave one of them out")
         if self.style.needs_gbuffer and not self.port.is_given:
             check_gbuffer(self.gbuffer_formats(), self.style.gbuffer_order)
         return formats

@@ -35,6 +35,7 @@ from quadshade.scene import (
     project,
 )
 from quadshade.scene.from_trimesh import mesh_from_trimesh
+from quadshade.scene.turned import Turn
 from quadshade.shading import (
     Light,
     Material,
@@ -113,7 +114,7 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     camera = choice.camera if isinstance(choice.camera, Camera) else parse_camera(choice.camera, mesh)
     whole = mesh
     if choice.level is not None:
-        mesh = level_of_detail(whole, choice.level, _file(choice), choice.crease)
+        mesh = _level(whole, choice.level, choice)
     projected = project(mesh, camera, *choice.pixels, formats, choice.cull)
     for note in (*(f"{choice.name}: {text}" for text in mesh.notes), *projected.notes):
         reports.notice(note)
@@ -128,14 +129,17 @@ def show_scene(settings: RenderSettings, formats: Formats, reports: Reports) -> 
     return ShownScene(projected, lights, surface, ground, len(mesh), whole, camera)
 
 
-def _file(choice: SceneChoice) -> str | Path | None:
-    """The scene's name, where it has one."""
-    return choice.scene if isinstance(choice.scene, str | Path) else None
+def _level(whole: Mesh, count: int, choice: SceneChoice) -> Mesh:
+    """The scene in at most so many triangles; errors as of :func:`quadshade.scene.level_of_detail`."""
+    if isinstance(choice.scene, Turn):
+        return choice.scene.level(count)
+    name = choice.scene if isinstance(choice.scene, str | Path) else None
+    return level_of_detail(whole, count, name, choice.crease)
 
 
 def at_level(shown: ShownScene, count: int, choice: SceneChoice, formats: Formats) -> ShownScene:
     """A scene in at most so many triangles; errors as of :func:`quadshade.scene.level_of_detail`."""
-    mesh = level_of_detail(shown.whole, count, _file(choice), choice.crease)
+    mesh = _level(shown.whole, count, choice)
     projected = project(mesh, shown.camera, *choice.pixels, formats, choice.cull)
     if not formats.with_depth:
         projected = projected.back_to_front()
@@ -156,6 +160,8 @@ def choice_mesh(choice: SceneChoice) -> Mesh:
     """The scene's mesh, read or as it was given; raises :class:`QuadshadeError` where it cannot be read."""
     if isinstance(choice.scene, str | Path):
         return load_scene(choice.scene, choice.crease)
+    if isinstance(choice.scene, Turn):
+        return choice.scene.mesh
     if isinstance(choice.scene, Mesh):
         mesh = choice.scene
         if choice.crease is None:

@@ -12,11 +12,13 @@ import numpy as np
 import quadshade
 from quadshade.contract.arrays import Bytes
 from quadshade.contract.formats import Formats
-from quadshade.image.compare import error_map, psnr
+from quadshade.image import largest_and_rms
+from quadshade.image.compare import error_map
 from quadshade.packing.line import picture_line_bytes
 from quadshade.rendering.picture import Picture
 from quadshade.rendering.settings import Reports
 from quadshade.scene import Mesh
+from quadshade.scene.turned import Detail, Turn
 from quadshade.view.state import BITS_A_BYTE, ViewState
 
 ERROR_FULL = 16
@@ -58,18 +60,27 @@ class Viewed:
       Of :func:`quadshade.render`, which no state sets.
     words : tuple of str
       The same on the command line.
+    crease : float, optional
+      What the mesh was read with.
     """
 
     name: str
     mesh: Mesh
     keywords: Mapping[str, Any] = field(default_factory=dict)
     words: tuple[str, ...] = ()
+    crease: float | None = None
     _last: tuple[dict[str, Any], Picture] | None = None
+
+    def __post_init__(self) -> None:
+        # It does not turn, but its levels of detail are kept.
+        self._stands = Turn(np.eye(3), np.zeros(3), Detail(self.mesh, self.name, self.crease))
 
     def picture(self, state: ViewState, **more: Any) -> Picture:
         """The picture of a state, as :func:`quadshade.render` draws it."""
         given = {"engine": "model", **self.keywords, **state.keywords(self.mesh), **more}
-        return quadshade.render(self.mesh, **given, reports=Reports(notice=lambda _: None))
+        if given.get("port") is not None:
+            given |= {"baud": None, "clock": None}
+        return quadshade.render(self._stands, **given, reports=Reports(notice=lambda _: None))
 
     def _drawn(self, state: ViewState) -> Picture:
         """The picture of a state; of two states in a row that differ in their map only, it is drawn once."""
@@ -101,7 +112,7 @@ class Viewed:
         measure = measure or state.map == "error"
         reference = None
         if measure:
-            reference = picture.array if state.is_reference else picture.phong().array
+            reference = picture.array if state.is_reference else picture.phong_array()
         figures = cost(picture, state) | errors(picture, reference)
         figures |= {"notes": list(picture.notes), "command": state.command(self.name, self.mesh, self.words)}
         return Shown(drawn_map(picture, reference, state.map), figures)
@@ -178,5 +189,5 @@ def errors(picture: Picture, reference: np.ndarray | None) -> dict[str, Any]:
     """Largest and root mean square error in grey levels; None where it was not measured."""
     if reference is None:
         return {"largest_error": None, "rms_error": None}
-    rms = 255 / 10 ** (psnr(picture.array, reference) / 20)
-    return {"largest_error": int(error_map(picture.array, reference).max()), "rms_error": rms}
+    largest, rms = largest_and_rms(picture.array, reference)
+    return {"largest_error": largest, "rms_error": rms}

@@ -70,12 +70,12 @@ class ViewState:
     max_error : float
       Grey levels of an adaptive picture; 0: not adaptive.
     frame_ms : float
-      Milliseconds in which the line must have carried the picture, which is then adaptive too; 0: no matter.
+      Milliseconds in which a board must have the picture, which is then adaptive too; 0: no matter.
     width, height : int
     baud : int
       Of the line whose frames a second are told.
     clock_mhz : float
-      Of the core.
+      Of the core, too.
     """
 
     yaw: float = math.degrees(math.atan2(DEFAULT_FROM[0], DEFAULT_FROM[2]))
@@ -134,11 +134,6 @@ class ViewState:
         wanted = self.max_error > 0 or self.frame_ms > 0
         return wanted and self.shading == DEFAULT_SHADING and self.fit == FITS[0]
 
-    @property
-    def line_budget(self) -> int:
-        """Bytes that the line carries in the frame time."""
-        return int(self.baud / BITS_A_BYTE * self.frame_ms / 1000)
-
     def axes(self) -> Floats:
         """(3, 3) float64: right, up and backward of the viewer, in the scene."""
         yaw, pitch = math.radians(self.yaw), math.radians(self.pitch)
@@ -178,7 +173,7 @@ class ViewState:
             "lights": self.lights(),
         }
         if self.is_adaptive and self.frame_ms > 0:
-            return given | {"budget": f"{self.line_budget}line"}
+            return given | {"frame_time": self.frame_ms, "baud": self.baud, "clock": self.clock_mhz}
         if self.is_adaptive:
             return given | {"max_error": self.max_error}
         fit = self.fit if self.shading == DEFAULT_SHADING else FITS[0]
@@ -199,7 +194,7 @@ class ViewState:
         ]
         words += [f"--camera={given['camera']}", "--exponent", f"{self.exponent:.12g}"]
         words += [word for light in given["lights"] for word in ("--light", light)]
-        for name in ("shading", "fit", "max_error", "budget"):
+        for name in ("shading", "fit", "max_error", "frame_time", "baud", "clock"):
             if name in given and given[name] not in (DEFAULT_SHADING, FITS[0]):
                 words += [f"--{name.replace('_', '-')}", str(given[name])]
         return shlex.join(words)

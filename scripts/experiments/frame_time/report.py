@@ -27,6 +27,8 @@ from quadshade.golden.board import BoardModel
 from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport
 from quadshade.packing import pack_primitives
+from quadshade.packing.frame_file import state_runs
+from quadshade.packing.pack import packed_writes
 from quadshade.rendering import Picture
 from quadshade.rendering.timing import Levers
 from quadshade.setup import setup_triangles
@@ -119,10 +121,8 @@ def on_a_bad_line(pictures: Sequence[Picture], rate: tuple[int, int]) -> dict[st
             before = session.statistics["bytes_sent"]
             session.clear()
             if triangles.shade is not None:
-                writes = triangles.shade.writes()
-                session.state(int(writes[0][0]), [int(word) for _, word in writes[:1]])
-                for address, word in writes[1:]:
-                    session.state(int(address), [int(word)])
+                for address, run in state_runs(packed_writes(packed.words, triangles.shade, formats)):
+                    session.state(address, run)
             session.triangles(packed.words)
             session.flush()
             sent = session.statistics["bytes_sent"] - before

@@ -29,6 +29,7 @@ from quadshade.contract.protocol import (
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.link.frames import Frame, FrameParser
 from quadshade.packing.frame_file import state_runs
+from quadshade.packing.pack import packed_writes
 
 QUIET_BYTES = 128
 """Behind a deadline: STATUS's answer is out before the next picture begins."""
@@ -43,7 +44,9 @@ def picture_frames(
     payloads = [pack_payload(Opcode.CLEAR, {"colour": 0})]
     if formats.with_shade:
         most = MAX_PAYLOAD - WORD_BYTES
-        for address, run in state_runs((colour_state(formats) if state is None else state).writes()):
+        for address, run in state_runs(
+            packed_writes(words, colour_state(formats) if state is None else state, formats)
+        ):
             data = np.asarray(run, "<u4").tobytes()
             payloads += [
                 pack_payload(Opcode.STATE, {"address": address + at // WORD_BYTES}, data[at : at + most])

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a picture keeps a frame time, for its statistics and its summary."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+from quadshade.board.frame_time import BoardClock, PictureClocks
+
+
+class Levers(NamedTuple):
+    """Triangles of the level of detail, kind of channels, and where along its curve of pictures."""
+
+    faces: int
+    shading: str
+    step: int
+
+
+@dataclass(frozen=True)
+class Timing:
+    """
+    How a picture keeps its time.
+
+    Attributes
+    ----------
+    milliseconds : float
+    clock : BoardClock
+    clocks : PictureClocks
+      At most, on an undamaged line.
+    levers : Levers
+    """
+
+    milliseconds: float
+    clock: BoardClock
+    clocks: PictureClocks
+    levers: Levers
+
+    @property
+    def deadline(self) -> int:
+        """Clocks until the frame time is over."""
+        return deadline_clocks(self.milliseconds, self.clock)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What ``--stats`` writes."""
+        clocks = {f"clocks_{name}": value for name, value in asdict(self.clocks).items()}
+        clocks["line_bytes"] = clocks.pop("clocks_line_bytes")
+        board = {"milliseconds": self.milliseconds, "baud": self.clock.baud}
+        board |= {"clk_frequency_hz": self.clock.clk_frequency_hz, "deadline": self.deadline}
+        return board | clocks | self.levers._asdict()
+
+    def note(self) -> str:
+        """A labelled line of the summary."""
+        share = 1000 / self.clock.clk_frequency_hz
+        whole, line = self.clocks.whole * share, self.clocks.line * share
+        return (
+            f"\n  time       at most {whole:.2f} of {self.milliseconds:g} ms, the line {line:.2f}, at "
+            f"{self.clock.baud} baud and {self.clock.clk_frequency_hz / 1e6:g} MHz"
+        )
+
+
+def deadline_clocks(milliseconds: float, clock: BoardClock) -> int:
+    """Whole clocks of a frame time."""
+    return math.floor(milliseconds * clock.clk_frequency_hz / 1000)

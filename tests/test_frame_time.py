@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A frame time as a budget: pictures and films that a board has in time, and what they are made of."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import quadshade
+from quadshade.animation import Motion
+from quadshade.board import Board, BoardSettings
+from quadshade.board.fallbacks import sent_triangles
+from quadshade.board.frame_time import BoardClock, picture_clocks
+from quadshade.cli.main import main
+from quadshade.contract.formats import Formats
+from quadshade.errors import QuadshadeError
+from quadshade.rendering.in_time import USED, Pace
+from quadshade.rendering.settings import Reports
+
+SIZE = (64, 48)
+QUIET = Reports(notice=lambda _: None)
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, list(map(str, arguments)))
+
+
+def test_a_picture_spends_its_time_and_no_more() -> None:
+    """Starved, it gives up triangles; what it takes is counted anew from what it draws."""
+    picture = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=25, reports=QUIET)
+    timing = picture.stats.timing
+    formats = Formats(**picture.stats.generics)
+    clock = BoardClock(100_000_000, 1_000_000, *SIZE)
+    clocks = picture_clocks(sent_triangles(picture.triangles, formats), formats, clock)
+    assert clocks.whole == timing["clocks_whole"] <= timing["deadline"] == 2_500_000
+    assert clocks.whole > 0.95 * timing["deadline"] and clocks.line_bytes == timing["line_bytes"]
+    assert picture.stats.faces <= timing["faces"] < 288
+    assert "time       at most" in picture.summary
+    more = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=50, reports=QUIET)
+    assert more.error_to("phong").rms < picture.error_to("phong").rms
+
+
+def test_frames_keep_their_level_and_spend_their_time() -> None:
+    animation = quadshade.turn(
+        "torus:288", frames=60, degrees=36, size=SIZE, frame_time=25, errors=False, reports=QUIET
+    )
+    pace = animation.pace()
+    levers, shares = set(), []
+    for frame in range(6):
+        picture = animation.frame(frame, pace)
+        timing = picture.stats.timing
+        levers.add((timing["faces"], timing["shading"]))
+        shares.append(timing["clocks_whole"] / timing["deadline"])
+    assert len(levers) == 1 and max(shares) <= 1 and min(shares) > 0.95
+    # A frame starts where the one before ended, and stays there as long as that spends the time.
+    kept = animation.frame(5, Pace(levers=pace.levers)).stats.timing
+    assert kept["step"] == pace.levers.step and kept["clocks_whole"] >= 0.95 * USED * kept["deadline"]
+
+
+def test_a_board_has_every_frame_in_time(tmp_path: Path) -> None:
+    words = ("torus:288", "-o", tmp_path / "t.gif", "--frames", 3, "--turn", 20, "--size", "64x48")
+    result = run("turn", *words, "--fps", 30, "--frame-time", "auto", "--port", "sim", "--engine", "model")
+    assert result.exit_code == 0, result.output
+    assert "0 frames late" in result.output
+    with (tmp_path / "t.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        assert int(row["board_clocks"]) <= int(row["deadline_clocks"]) == 5_000_000 // 30
+        assert int(row["board_clocks"]) > 0.95 * int(row["deadline_clocks"]) and row["late"] == "0"
+        assert 0 < int(row["line_bytes"]) < 1_000_000 // 300
+    assert len({row["faces"] for row in rows}) == len({row["shading"] for row in rows}) == 1
+
+
+def small_board(**more: object) -> Board:
+    settings = BoardSettings(screen_width=64, screen_height=48)
+    return Board("sim", settings=settings, engine="model", notice=lambda _: None, **more)
+
+
+def test_a_deadline_shortens_words_or_sends_nothing() -> None:
+    said: list[str] = []
+    settings = BoardSettings(screen_width=64, screen_height=48)
+    with Board("sim", settings=settings, engine="model", notice=said.append) as board:
+        triangles = quadshade.render("sphere:168", size=SIZE, engine="model").triangles
+        whole = picture_clocks(triangles, board.formats, board.clock).whole / 5e6
+        board.draw(triangles, deadline=whole)
+        assert board.late == 0 and not said
+        board.clear()
+        board.draw(triangles, deadline=0.95 * whole)
+        board.verify()
+        assert board.late == 0 and said == ["words packed to 0.125 grey levels, to be in time"]
+        board.clear()
+        before = board.statistics["bytes_sent"]
+        least = picture_clocks(triangles, board.formats, board.clock, 0.5).whole / 5e6
+        with pytest.raises(QuadshadeError, match=f"it takes {math.ceil(1e5 * least) / 100:g} ms"):
+            board.draw(triangles, deadline=0.5 * whole)
+        assert board.statistics["bytes_sent"] == before
+
+
+def test_a_bad_line_makes_late_frames_and_no_wrong_ones() -> None:
+    triangles = quadshade.render("sphere:168", size=SIZE, engine="model").triangles
+    with small_board(faults=(2e-3, 5), answer_seconds=0.05) as board:
+        whole = picture_clocks(triangles, board.formats, board.clock).whole / 5e6
+        for _ in range(6):
+            board.clear()
+            board.draw(triangles, deadline=whole)
+            board.verify()
+        assert board.statistics["resent"] > 0 and 0 < board.late <= 6
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--frame-time", 0.1), "the coarsest picture takes"),
+        (("--frame-time", "nan"), "the frame time is 'nan'"),
+        (("--frame-time", -5), "the frame time is"),
+        (("--fps", 0), "the fps are"),
+        (("--fps", "nan"), "the fps are"),
+        (("--fps", 10, "--frame-time", 20), "give one of them"),
+        (("--frame-time", 20, "--budget", "9000line"), "give one of them"),
+        (("--frame-time", 20, "--supersample", 2), "--supersample with a frame time"),
+        (("--frame-time", 20, "--shading", "gouraud"), "the shading is gouraud"),
+        (("--baud", 9600), "--baud is for a board"),
+    ],
+)
+def test_bad_frame_times_are_one_line(tmp_path: Path, monkeypatch, words: tuple, said: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run("render", "sphere:168", "-o", "p.png", "--size", "48x32", "--engine", "model", *words)
+    assert result.exit_code == 2 and said in result.output, result.output
+    lines = [line for line in result.output.strip().splitlines() if not line.endswith("...")]
+    assert len(lines) == 1 and not list(tmp_path.iterdir())
+
+
+def test_frames_in_time_follow_each_other() -> None:
+    with pytest.raises(QuadshadeError, match="leave --jobs or --dask out"):
+        quadshade.turn("sphere:168", frames=2, frame_time=20, jobs=2)
+
+
+def test_a_lost_port_in_mid_animation_is_an_error_that_keeps_frames(tmp_path: Path) -> None:
+    path = tmp_path / "t.png"
+    options = {"frames": 3, "degrees": 60, "size": SIZE, "errors": False, "reports": QUIET}
+    with small_board() as board:
+        animation = quadshade.turn("sphere:168", port=board, **options)
+        frames = animation._on_board
+
+        def breaks(numbers: list[int], pace: Pace):
+            yield next(iter(frames(numbers, pace)))
+            raise QuadshadeError("the line did not come back")
+
+        animation._on_board = breaks
+        with pytest.raises(QuadshadeError, match="did not come back"):
+            animation.save(path)
+        assert not path.exists() and (tmp_path / ".t.png.frames" / "0.json").is_file()
+        said: list[str] = []
+        again = quadshade.turn("sphere:168", port=board, **options | {"reports": Reports(notice=said.append)})
+        assert len(again.save(path)) == 3 and said == ["1 of 3 frames were drawn before"]
+
+
+def test_levels_of_a_turned_scene_are_turned_levels() -> None:
+    """A scene of its own tessellation at every count, and one that is decimated, once for all frames."""
+    for scene in ("torus:288", quadshade.load_scene("torus:288")):
+        animation = quadshade.turn(scene, frames=4, lod=200, size=SIZE, engine="model", errors=False)
+        first = quadshade.render(scene, lod=200, size=SIZE, engine="model")
+        assert (animation[0].array == first.array).all()
+        assert len(animation[2].triangles) > 50 and animation[2].stats.faces == first.stats.faces
+        assert not np.array_equal(animation[1].array, first.array)
+
+
+def test_a_motion_needs_frames() -> None:
+    with pytest.raises(QuadshadeError, match="number of frames is 0"):
+        Motion(frames=0)
