@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import quadshade
-from quadshade.choices import FITS
+from quadshade.choices import FITS, SPECULAR_FITS
 from quadshade.cli.main import main
 from quadshade.image import read_picture
 
@@ -38,6 +38,41 @@ def test_fits_are_nearer_to_phong(tmp_path: Path) -> None:
         face.error_to("phong").psnr
         > quadshade.render("torus:288", size=(160, 160), exponent=50, engine="model").error_to("phong").psnr
     )
+
+
+FAN = [(0.0, 0.0, 0.3), *((np.cos(turn), np.sin(turn), 0.0) for turn in np.arange(200) * np.pi / 100)]
+BAD = {
+    "fan": (FAN, [(0, 1 + edge, 1 + (edge + 1) % 200) for edge in range(200)]),
+    "one": ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]),
+    "apart": (
+        [(0, 0, 0), (1, 0, 0), (0, 1, 0), (5, 5, 0), (6, 5, 0), (5, 6, 0)],
+        [(0, 1, 2), (3, 4, 5)],
+    ),
+    "twice": ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0.3)], [(0, 1, 2), (0, 1, 2), (1, 3, 2), (1, 3, 2)]),
+    "no area": ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2), (0, 0, 1)]),
+    "slivers": (
+        [(0, 0, 0), (1, 0, 0), (0.5, 1e-9, 0), (0.5, -0.8, 0.2), (0.5, 0.4, 0)],
+        [(0, 1, 2), (0, 3, 1), (1, 0, 4)],
+    ),
+    "vast": ([(0, 0, 0), (1e30, 0, 0), (0, 1e30, 0), (1e30, 1e30, 1e29)], [(0, 1, 2), (1, 3, 2)]),
+}
+"""Vertices and faces that no one models and many files have."""
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_meshes_are_drawn_by_every_fit_with_one_notice_at_most(tmp_path: Path, name: str) -> None:
+    mesh, picture = tmp_path / "bad.obj", tmp_path / "out.png"
+    vertices, faces = BAD[name]
+    lines = ["v " + " ".join(str(float(number)) for number in vertex) for vertex in vertices]
+    lines += ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]
+    mesh.write_text("\n".join(lines) + "\n")
+    ways = [(fit, "quadratic") for fit in FITS] + [(fit, "quadratic-specular") for fit in SPECULAR_FITS]
+    for fit, shading in ways:
+        picture.unlink(missing_ok=True)
+        words = ["render", mesh, "-o", picture, "--size", "40x30", "--no-cull", "--exponent", "50"]
+        result = run(*words, "--fit", fit, "--shading", shading, "--engine", "model")
+        assert result.exit_code == 0, result.output
+        assert picture.exists() and result.output.count("notice: fit:") <= 1
 
 
 @pytest.mark.parametrize("fit", ["least-squares", "c1"])

@@ -325,6 +325,38 @@ def test_a_fit_that_does_not_end_says_so_and_is_no_worse(monkeypatch: pytest.Mon
     assert (errors(projected, fitted.triangles) ** 2).mean() < (errors(projected, six) ** 2).mean()
 
 
+def test_what_is_too_large_to_be_factorised_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Smooth needs the factors and is least squares without, c1 is solved by steps, to the same picture."""
+    projected, six = seen()
+    squares = fit_scene(projected, six, "least-squares", material=SHARP)
+    parts = fit_scene(projected, six, "c1", material=SHARP)
+    monkeypatch.setattr(solve, "MOST_FACTORISED", 10)
+    smooth = fit_scene(projected, six, "smooth", material=SHARP)
+    assert len(smooth.notes) == 1 and "too many for smooth" in smooth.notes[0]
+    assert (smooth.triangles.samples == squares.triangles.samples).all()
+    stepped = fit_scene(projected, six, "c1", material=SHARP)
+    assert not stepped.notes and len(stepped.triangles) == len(parts.triangles)
+    assert np.abs(stepped.triangles.samples - parts.triangles.samples).max() < 2
+    before, after = (errors(projected, six), errors_of_parts(projected, stepped))
+    assert (after**2).mean() < 1.6 * (before**2).mean()
+
+
+def errors_of_parts(projected, fitted) -> np.ndarray:
+    """:func:`errors` of a fit that sends parts of triangles."""
+    pixels = draw(fitted.triangles, FORMATS, "model").pixels
+    return pixels.value - phong(projected, fitted.parent[pixels.triangle], pixels.x, pixels.y, material=SHARP)
+
+
+def test_only_triangles_that_are_seen_are_split() -> None:
+    """One pixel a triangle: a jump allowed is no reason to send six parts, none allowed is."""
+    mesh = load_scene("sphere:690")
+    projected = project(mesh, parse_camera("from=0,0.4,1", mesh), 24, 24)
+    six = sample(projected, material=SHARP)
+    allowed, none = (fit_scene(projected, six, "c1", material=SHARP, jump=jump) for jump in (0.02, 0.0))
+    assert len(allowed.triangles) < 1.5 * len(projected) < len(none.triangles)
+    assert not allowed.notes
+
+
 def test_refuses_what_is_not_quadratic() -> None:
     projected, _ = seen(size=32)
     with pytest.raises(QuadshadeError, match="not quadratic colours"):

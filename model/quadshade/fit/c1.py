@@ -24,9 +24,11 @@ from quadshade.fit.places import Places
 from quadshade.fit.powell_sabin import Parts, parts_of, smooth_corners
 from quadshade.fit.solve import HOLD, normal_equations, solved_directly
 from quadshade.fit.split import split_of
-from quadshade.scene.project import Projected
+from quadshade.scene.project import Projected, doubled_area
 from quadshade.scene.subdivide import divided
 
+SEEN = 4.0
+"""Pixels that one of the triangles at an edge has at least, for a jump across it to be seen."""
 ROUNDS = 6
 """Of splitting what jumps; after four of them it is a few edges in ten thousand."""
 
@@ -91,7 +93,8 @@ def fit_c1(
       Of its triangles at six points.
     target : Target
     jump : float
-      Root mean square along an edge that is allowed, in output units per pixel.
+      Root mean square along an edge that is allowed, in output units per pixel; what is too small to be seen
+      (``SEEN``) may jump by more, unless it is 0.
     largest : float
       Of the output.
     formats : Formats
@@ -108,6 +111,7 @@ def fit_c1(
     smooth, allowed = smooth_corners(elements, neighbours, split.sound)
     chosen = np.zeros(len(allowed), dtype=bool)
     scale = 2.0**formats.subpixel_bits
+    area = np.abs(doubled_area(vertices)) / 2 / scale**2
     for number in range(ROUNDS):
         parts = parts_of(elements, vertices, split, smooth, chosen, scale)
         drawn, triangles, ended = _solved(projected, parts, target, elements.start, largest)
@@ -115,7 +119,9 @@ def fit_c1(
         jumps = jumps_of(own, parts.vertices, formats, _whole_edges(parts))
         values = np.empty_like(own.start)
         values[own.index.reshape(-1)] = _flat(triangles)
-        wrong = jumps.of_edges(values) > jump
+        # Without an allowed jump every edge is smooth, seen or not.
+        seen = area[parts.parent[jumps.triangle]].max(axis=1, initial=0.0) >= (SEEN if jump else 0)
+        wrong = seen & (jumps.of_edges(values) > jump)
         wanted = np.zeros(len(chosen), dtype=bool)
         wanted[smooth[_ends(parts, jumps.triangle[wrong, 0], jumps.side[wrong, 0])]] = True
         more = wanted & allowed & ~chosen

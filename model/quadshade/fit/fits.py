@@ -13,6 +13,7 @@ from quadshade.contract.arrays import Floats, Ints
 from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
+from quadshade.fit import solve
 from quadshade.fit.c1 import Target, fit_c1
 from quadshade.fit.cosines import fit_cosines
 from quadshade.fit.elements import shared_elements
@@ -164,6 +165,10 @@ def fit_scene(
         return Fitted(triangles, projected, whole, (f"fit: drawn through six points: {reason}",))
     beyond = held_beyond(projected, formats) if places == "pixels" else np.zeros(len(projected))
     system = Weighted(elements, here, colour, beyond, 0, largest)
+    large: tuple[str, ...] = ()
+    if fit == "smooth" and len(elements.start) > solve.MOST_FACTORISED:
+        large = (f"fit: drawn by least squares: {len(elements.start)} values are too many for {fit}",)
+        fit = "least-squares"
     if fit == "smooth":
         solution = system.solve_smooth(smoothness * jump_penalty(elements, projected.vertices, formats))
         values = solution.values
@@ -172,7 +177,7 @@ def fit_scene(
         values = {"minimax": smallest_peak, "least-squares": lower_peaks}[fit](system, solution.values)
     samples = triangles.samples.copy()
     samples[:, :3] = elements.samples(values)
-    notes = _notes(wrong[0], solution.ended)
+    notes = large + _notes(wrong[0], solution.ended)
     return Fitted(replace(triangles, samples=samples), projected, whole, notes)
 
 

@@ -120,8 +120,45 @@ def parts_of(
     """
     place, has = vertices / scale, chosen[smooth]
     length = float(np.median(np.linalg.norm(place[:, ENDS[:, 0]] - place[:, ENDS[:, 1]], axis=2))) or 1.0
-    ordinates = _ordinates(place, split, has, length, scale)
     column, unknowns = _columns(elements.index, smooth, chosen)
+    # Most triangles of a fine mesh have no gradient: their samples are unknowns themselves.
+    plain, bent = (np.flatnonzero(which) for which in (~has.any(axis=1), has.any(axis=1)))
+    own = Split(split.centre[bent], split.point[bent], split.share[bent], split.sound[bent])
+    parent, corners, where, samples = _bent_parts(vertices[bent], own, has[bent], length, scale)
+    parent = np.concatenate([plain, bent[parent]])
+    order = np.argsort(parent, kind="stable")
+    row = np.empty((len(order), 6), dtype=np.int64)
+    row[order] = np.arange(6 * len(order)).reshape(-1, 6)
+    columns = np.repeat(column[parent[len(plain) :]], 6, axis=0)
+    rows, used = np.broadcast_to(row[len(plain) :].reshape(-1, 1), columns.shape), samples != 0
+    entries = np.concatenate([np.ones(6 * len(plain)), samples[used]])
+    places = (
+        np.concatenate([row[: len(plain)].reshape(-1), rows[used]]),
+        np.concatenate([elements.index[plain].reshape(-1), columns[used]]),
+    )
+    return Parts(
+        parent[order],
+        np.concatenate([np.broadcast_to(np.eye(3), (len(plain), 3, 3)), corners])[order],
+        np.concatenate([vertices[plain], where])[order],
+        sparse.csr_array((entries, places), shape=(6 * len(order), unknowns)),
+    )
+
+
+def _bent_parts(
+    vertices: Ints, split: Split, has: Bools, length: float, scale: float
+) -> tuple[Ints, Floats, Ints, Floats]:
+    """
+    Parts of triangles that have a gradient at some corner.
+
+    Returns
+    -------
+    parent, corners, vertices
+      As in :class:`Parts`, in no order.
+    samples : (6 p, 12) float64
+      Of all parts, one after the other, from their triangle's unknowns.
+    """
+    place = vertices / scale
+    ordinates = _ordinates(place, split, has, length, scale)
     barycentric = np.zeros((len(place), 7, 3))
     barycentric[:, :3] = np.eye(3)
     barycentric[:, HUB] = weights_at(place, split.centre / scale)
@@ -141,24 +178,16 @@ def parts_of(
             ((3 + edge, two, HUB), halved),
             ((one, two, HUB), cut & ~halved),
         ]
-    parent = np.concatenate([np.flatnonzero(mask) for _, mask in pieces])
-    order = np.argsort(parent, kind="stable")
-    parent = parent[order]
     samples, corners, where = (
-        np.concatenate([of(piece)[mask] for piece, mask in pieces])[order]
+        np.concatenate([of(piece)[mask] for piece, mask in pieces])
         for of in (
             lambda piece: ordinates.samples(*piece),
             lambda piece: barycentric[:, piece],
             lambda piece: points[:, piece],
         )
     )
-    rows = np.repeat(np.arange(6 * len(parent)), LOCAL)
-    columns = np.repeat(column[parent], 6, axis=0)
-    entries, columns = samples.reshape(-1), columns.reshape(-1)
-    used = entries != 0
-    shape = (6 * len(parent), unknowns)
-    basis = sparse.csr_array((entries[used], (rows[used], columns[used])), shape=shape)
-    return Parts(parent, corners, where, basis)
+    parent = np.concatenate([np.flatnonzero(mask) for _, mask in pieces])
+    return parent, corners, where, samples.reshape(-1, LOCAL)
 
 
 def _columns(index: Ints, smooth: Ints, chosen: Bools) -> tuple[Ints, int]:

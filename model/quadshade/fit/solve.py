@@ -26,7 +26,11 @@ HOLD = 1e-3
 
 TOLERANCE = 1e-2
 """Of the residual that the six points leave."""
+CLOSELY = 1e-4
+"""The same where the steps stand for factors: what is badly conditioned changes slowly."""
 MOST_STEPS = 2000
+MOST_FACTORISED = 400_000
+"""Unknowns of a system that is factorised; a larger one is solved by steps, in memory that grows with it."""
 ROUNDS = 8
 """Of holding what leaves the range."""
 
@@ -208,24 +212,25 @@ def solved_directly(matrix: sparse.csr_array, right: Floats, begin: Floats) -> S
     idle = matrix.diagonal() <= 0
     full = sparse.csr_array(matrix + sparse.diags_array(idle.astype(np.float64)))
     goal = np.where(idle[:, None], begin, right)
-    try:
-        factors = splu(
-            sparse.csc_array(full),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-        values = factors.solve(goal)
-    except RuntimeError:
-        # What rounding has made singular has many solutions: the steps go to one of them.
-        values = np.full_like(begin, np.nan)
-    if np.isfinite(values).all():
-        return Solution(values, True)
+    if len(begin) <= MOST_FACTORISED:
+        try:
+            factors = splu(
+                sparse.csc_array(full),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+            values = factors.solve(goal)
+            if np.isfinite(values).all():
+                return Solution(values, True)
+        except (RuntimeError, MemoryError):
+            # What rounding has made singular has many solutions: the steps go to one of them.
+            pass
     system = _system(np.zeros((0, 6, 6)), np.zeros((0, 6), np.int64), full, 0.0)
     steps = np.ascontiguousarray(begin.T)
     free = np.ones(steps.shape, dtype=bool)
     aim = np.ascontiguousarray(goal.T)
-    ended = bool(_steps(system, full.diagonal(), aim, free, steps, TOLERANCE, MOST_STEPS))
+    ended = bool(_steps(system, full.diagonal(), aim, free, steps, CLOSELY, MOST_STEPS))
     return Solution(steps.T, ended)
 
 

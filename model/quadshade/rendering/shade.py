@@ -263,6 +263,7 @@ def _fitted(
         return triangles
     from quadshade.fit import fit_scene
 
+    reports.step(f"fitting {len(triangles)} triangles, {choice.fit}")
     fitted = fit_scene(
         shown.projected,
         triangles,
@@ -276,6 +277,7 @@ def _fitted(
     )
     for note in fitted.notes:
         reports.notice(note)
+    reports.step(f"drawing {len(fitted.triangles)} triangles")
     return fitted.triangles
 
 
