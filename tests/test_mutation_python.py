@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -145,6 +146,16 @@ def test_mutants_are_killed_in_functions_and_outside_and_others_survive(tmp_path
     assert states["ReplaceBinaryOperator_Add_Sub:0"] == "killed"
     assert content["found"]["ReplaceBinaryOperator_Add_Sub:0"][1] == "tests/test_amount.py::test_it"
     assert (package / "amount.py").read_text() == (tmp_path / "copy" / "quadshade" / "amount.py").read_text()
+
+
+def test_killed_mutants_stay_killed() -> None:
+    """A sample of those that the report says are killed, by the quick ones of the tests that killed them."""
+    command = [sys.executable, "-m", "scripts.mutation.python", "--kept", "--count", "24", "--seed", "1"]
+    environment = {"PYTHONPATH": f"{ROOT / 'model'}:{ROOT}", "PATH": "/usr/bin:/bin"}
+    result = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    killed, run = re.search(r"(\d+) of (\d+) are killed again", result.stdout).groups()
+    assert killed == run and int(run) >= 15
 
 
 def row(state: str, old: str = "a", group: str = "link") -> dict[str, str]:
