@@ -138,6 +138,8 @@ def test_the_report_and_the_guide_say_what_is_measured() -> None:
     assert f"four bytes, {row['crc']} with all frames" in guide
     assert f"`picture` takes {row['packed']} bytes" in guide and f"{row['whole']} from a board" in guide
     assert row["whole"] > 4 * row["packed"]
+    page = " ".join((ROOT / "docs" / "reference" / "readback.md").read_text().split())
+    assert f"{row['whole'] / row['packed']:.1f} times fewer on the line" in page
 
 
 # The commands.

@@ -31,18 +31,26 @@ WAYS = ("whole", "packed", "crc")
 HEADER = ("scene", "plane", "the plane", *WAYS, "fewer, packed", *(f"{way}, ms" for way in WAYS))
 
 
-def measure(scene: str, size: tuple[int, int] = (WIDTH, HEIGHT)) -> list[dict]:
-    """Bytes of every plane of a scene on a board of that size: of its own, and on the line in every way."""
+def measure(scene: str, size: tuple[int, int] = (WIDTH, HEIGHT), colour_bits: int = 8) -> list[dict]:
+    """
+    Bytes of every plane of a scene on a board of that size: of its own, and on the line in every way.
+
+    Of colours with fewer than eight bits, which are dithered, the picture alone.
+    """
     reports = Reports(notice=lambda _: None)
-    rows = {plane: {"scene": scene, "plane": plane} for plane in PLANES}
+    whole = colour_bits == 8
+    planes = PLANES if whole else PLANES[:1]
+    label = scene if whole else f"{scene}, {colour_bits} bits a colour"
+    rows = {plane: {"scene": label, "plane": plane} for plane in planes}
     for way in WAYS:
-        generics = {"with_edge_map": 1, "with_packed_read": int(way != "whole")}
+        generics = {"with_edge_map": int(whole), "with_packed_read": int(way != "whole")}
+        generics["colour_bits"] = colour_bits
         settings = BoardSettings(screen_width=size[0], screen_height=size[1]).with_generics(generics)
         verify = VERIFIES[way == "crc"]
         with Board("sim", settings=settings, engine="model", notice=reports.notice) as board:
-            for edges in (None, "profile,inner"):
+            for edges in (None, "profile,inner") if whole else (None,):
                 quadshade.render(scene, size=size, port=board, edges=edges, verify="crc", reports=reports)
-                for plane in PLANES[2:] if edges else PLANES[:2]:
+                for plane in planes[2:] if edges else planes[:2]:
                     row, before = rows[plane], board.statistics
                     row["bytes"] = board.read_plane(plane, verify=verify).nbytes
                     after = board.statistics
@@ -85,7 +93,8 @@ with `--verify crc`. *ms* is how long the direction with more bytes takes at 1 M
 @output_option(REPORT)
 @one_line_errors(REPORT.stem)
 def main(scenes: tuple[str, ...], output: Path) -> None:
-    text = report([row for scene in scenes for row in measure(scene)])
+    rows = [row for scene in scenes for row in measure(scene)]
+    text = report(rows + measure(SCENES[0], colour_bits=4))
     write_report(output, text)
     click.echo(text, nl=False)
 
