@@ -77,12 +77,21 @@ def test_the_largest_screen_is_a_boards() -> None:
     assert large_screen_notice(BoardSettings(screen_width=width, screen_height=height), "model") == ""
 
 
-def test_render_says_so_before_it_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_board_says_so_before_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quadshade.board.large_screen.largest_screen", lambda: ("small", 8, 6))
+    monkeypatch.setattr("quadshade.board.simulated.SimulatedBoard.run", lambda _: None)
+    monkeypatch.setattr("quadshade.cli.board.signal.signal", lambda *_: None)
+    result = CliRunner().invoke(main, ["board", "--tcp", "0", "--engine", "model", "--screen", "16x12"])
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("quadshade: notice: no board has 16x12 pixels, the largest screen is 8x6")
+
+
+def test_a_simulated_screen_is_one_that_a_board_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("quadshade.rendering.open_board.REAL_SCREEN", (8, 6))
     command = ["render", "sphere:2x3", "-o", str(tmp_path / "a.png"), "--port", "sim", "--engine", "model"]
     result = CliRunner().invoke(main, [*command, "--size", "16x12"])
     assert result.exit_code == 0, result.output
-    assert result.output.startswith("quadshade: notice: no board has 16x12 pixels, the largest screen is 8x6")
+    assert "no board has" not in result.output and ", in 4 tiles, " in result.output
 
 
 @pytest.mark.parametrize(
@@ -97,6 +106,6 @@ def test_a_size_that_no_board_has_is_estimated(engine: str, estimate: str) -> No
     settings = BoardSettings(screen_width=1920, screen_height=1080)
     assert large_screen_notice(settings, engine) == (
         "no board has 1920x1080 pixels, the largest screen is 320x240 (icebreaker); reading the picture takes"
-        f" 62 s of a line at 1000000 baud{estimate}; give --size 320x240 (--screen of a board), or draw"
-        " without --port"
+        f" 62 s of a line at 1000000 baud{estimate}; give --screen 320x240: larger pictures are drawn on it"
+        " in tiles"
     )

@@ -54,7 +54,7 @@ def large_screen_notice(settings: BoardSettings, engine: str) -> str:
     if engine in CLOCKS_A_SECOND:
         clocks = line_bits * settings.clk_frequency_hz / settings.baud
         text += f", and about {_duration(clocks / CLOCKS_A_SECOND[engine])} of simulation"
-    return f"{text}; give --size {width}x{height} (--screen of a board), or draw without --port"
+    return f"{text}; give --screen {width}x{height}: larger pictures are drawn on it in tiles"
 
 
 def _duration(seconds: float) -> str:

@@ -3,8 +3,9 @@
 Where a picture is cut into tiles, so that as few bytes as possible go over the line.
 
 Bands of scanlines are cut first, then each band by itself, as the part of it that has pixels is its own. A
-cut costs the packets that it cuts, which are sent twice; a tile the pixels that are read of it. A tile
-without pixels is neither drawn nor read.
+cut costs the packets that it cuts, which are sent twice; a tile the pixels that are read of it. So tiles are
+smaller than the screen where that saves more pixels than it costs. One without pixels is neither drawn nor
+read.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from quadshade.setup.tile import Rectangle
 
 PACKET_BYTES = 40
 """What a packet takes on the line, about: a plan only compares."""
+
+TILE_BYTES = 1000
+"""What every tile takes beside pixels and packets: a clear, questions and answers, and waiting for these."""
 
 SHIFTS = 5
 """Places tried for the first cut."""
@@ -72,14 +76,19 @@ def plan_tiles(
     if not len(extents):
         return []
     width, height = min(most[0], size[0]), min(most[1], size[1])
-    while True:
-        tiles = _best_bands(extents, width, height, pixel_bytes)
-        if boards == 1 or len(tiles) >= TILES_A_BOARD * boards or max(width, height) < 2 * LEAST_SIDE:
-            return sorted(tiles, key=lambda cost: -cost.bytes)
-        if width >= height:
-            width = -(-width // 2)
-        else:
-            height = -(-height // 2)
+    best = _best_bands(extents, width, height, pixel_bytes)
+    while max(width, height) >= 2 * LEAST_SIDE:
+        # Smaller tiles lie closer around what is drawn, and more boards have some to do.
+        across = (-(-width // 2), height) if width >= height else (width, -(-height // 2))
+        down = (width, -(-height // 2)) if width >= height else (-(-width // 2), height)
+        tried = [
+            (plan, shape) for shape in (across, down) if (plan := _best_bands(extents, *shape, pixel_bytes))
+        ]
+        plan, shape = min(tried, key=lambda one: _total(one[0]))
+        if _total(plan) >= _total(best) and (boards == 1 or len(best) >= TILES_A_BOARD * boards):
+            break
+        best, (width, height) = plan, shape
+    return sorted(best, key=lambda cost: -cost.bytes)
 
 
 def _cuts(low: int, high: int, most: int) -> Iterator[list[int]]:
@@ -126,6 +135,6 @@ def _best_columns(extents: Ints, width: int, pixel_bytes: int) -> list[Cost]:
                 (x, y), (end_x, end_y) = near[:, :2].min(axis=0), near[:, 2:].max(axis=0)
                 tile = Rectangle(int(x), int(y), int(end_x - x), int(end_y - y))
                 area = tile.width * tile.height
-                tiles.append(Cost(tile, area * pixel_bytes + len(within) * PACKET_BYTES))
+                tiles.append(Cost(tile, area * pixel_bytes + len(within) * PACKET_BYTES + TILE_BYTES))
         plans.append(tiles)
     return min(plans, key=_total)

@@ -42,6 +42,8 @@ class EngineScreen:
       One of ``choices.ENGINES``.
     """
 
+    colour_bits = 8
+
     def __init__(self, settings: BoardSettings, engine: str) -> None:
         self.formats, self._engine = settings.formats, engine
         self.width, self.height = settings.screen_width, settings.screen_height
@@ -68,6 +70,9 @@ class EngineScreen:
     def read_plane(self, plane: str, width: int, height: int, _: bool | str = True) -> np.ndarray:
         """(height, width, bytes) uint8."""
         return self._screen.plane(PLANES.index(plane))[:height, :width].copy()
+
+    def show(self) -> None:
+        """Nothing: there is no monitor."""
 
     def has_plane(self, plane: str) -> bool:
         """Colour, and depth where the formats have it."""
@@ -127,10 +132,11 @@ def forget_board(place: Place) -> None:
         board.close()
 
 
-def _describe(place: Place, _: object = None) -> tuple[Formats, int, int, tuple[str, ...]]:
-    """Formats, screen and planes of the worker's board."""
+def _describe(place: Place, _: object = None) -> tuple[Formats, int, int, tuple[str, ...], int]:
+    """Formats, screen, planes and bits of a colour of the worker's board."""
     board = board_here(place)
-    return board.formats, board.width, board.height, tuple(filter(board.has_plane, PLANES))
+    planes = tuple(filter(board.has_plane, PLANES))
+    return board.formats, board.width, board.height, planes, board.colour_bits
 
 
 def _do(place: Place, do: Callable[[Any, Any], Any], job: Any) -> tuple[Any, dict[str, float]]:
@@ -160,6 +166,7 @@ class WorkerBoard:
     width: int
     height: int
     planes: tuple[str, ...]
+    colour_bits: int
     counts: Counter[str] = field(default_factory=Counter)
     progress: None = None
 
@@ -212,9 +219,8 @@ class WorkerPool:
             described = [result for _, result in found]
         else:
             described = [_describe(place)]
-        for formats, width, height, planes in described:
-            name = _Named(f"{len(workers)} workers")
-            self.boards.append(WorkerBoard(name, formats, width, height, planes))
+        name = _Named(f"{len(workers)} workers")
+        self.boards += [WorkerBoard(name, *about) for about in described]
         self.everyone = tuple(self.boards)
 
     def _lose(self, worker: str, reason: str) -> None:

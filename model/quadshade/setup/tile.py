@@ -341,7 +341,7 @@ class Cuttable:
         return self._cut_out(everything, np.full(len(everything), cores == 1), where, rows)
 
     def _cut_out(self, chosen: Ints, inside: Bools, where: Rectangle, rows: Rows) -> Primitives:
-        """Chosen primitives on a rectangle of the scanlines that are drawn; ``inside`` those that are whole."""
+        """Chosen primitives on a rectangle of scanlines that are drawn; ``inside`` those that are whole."""
         whole = self.primitives
         most = np.where(self._fractional[chosen], self.extents[chosen, 3], 0) - self.extents[chosen, 1]
         parts = empty_cut(int(np.maximum(most, MAX_PRIMITIVES).sum()) + MAX_PRIMITIVES)
