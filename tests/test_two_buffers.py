@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 import quadshade
 from quadshade.board import Board
+from quadshade.board.engines import start_engine
 from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
 from quadshade.contract.protocol import LinkError
@@ -81,6 +82,33 @@ def test_what_is_read_is_the_dithered_picture(colour_bits: int) -> None:
     covered = (plain != 0).any(axis=2)
     assert np.array_equal(picture.array[covered], expected[covered])
     assert (f"{colour_bits} bits a colour" in picture.summary) == (colour_bits < 8)
+
+
+@pytest.mark.parametrize("buffers", [1, 2])
+def test_the_simulated_boards_monitor(buffers: int, tmp_path: Path) -> None:
+    """The file has what the board shows; with one buffer the part of a picture that has come, too."""
+    pictures: list[np.ndarray] = []
+    settings = board_settings(None, SIZE, {"buffers": buffers})
+    engine = start_engine("model", settings, pictures.append)
+    board = engine.board
+    session = Session(MemoryTransport(lambda data: engine.feed(data) or engine.take()))
+    session.connect()
+    session.clear(0xFF)
+    session.clear(0xFF00)
+    session.flush()
+    assert [picture[0, 0].tolist() for picture in pictures] == [[0, 0, 0], [255, 0, 0], [0, 255, 0]][
+        : 1 if buffers == 2 else None
+    ]
+    if buffers == 2:
+        session.swap()
+        assert len(pictures) == 2
+    assert (pictures[-1] == (0, 255, 0)).all()
+    assert board.drawing.shown.any() == (buffers == 2)
+    with pytest.raises(QuadshadeError, match="the engine ghdl shows no monitor; use --engine model"):
+        start_engine("ghdl", settings, pictures.append)
+    missing = ["board", "--engine", "model", "--monitor", str(tmp_path / "none" / "a.png")]
+    result = CliRunner().invoke(main, missing)
+    assert result.exit_code == 2 and len(result.output.splitlines()) == 1
 
 
 def test_the_command_line_sets_a_simulated_boards_generics(tmp_path: Path) -> None:

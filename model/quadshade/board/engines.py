@@ -8,8 +8,12 @@ import os
 import subprocess
 import tempfile
 from collections import deque
+from collections.abc import Callable
+
+import numpy as np
 
 from quadshade.board.programs import ghdl_board, verilator_board
+from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
 from quadshade.choices import BOARD_ENGINES
 from quadshade.contract.protocol import PHASE_BITS
@@ -35,6 +39,10 @@ QUIET_LINES = 20_000
 
 END_SECONDS = 5.0
 """How long a simulator may take to end by itself."""
+
+
+Monitor = Callable[[np.ndarray], None]
+"""What a monitor's picture is given to."""
 
 
 class Engine:
@@ -72,9 +80,17 @@ class Engine:
 
 
 class ModelEngine(Engine):
-    """The golden models of link, core and z-buffer."""
+    """
+    The golden models of link, core and z-buffer.
 
-    def __init__(self, settings: BoardSettings) -> None:
+    Parameters
+    ----------
+    settings : BoardSettings
+    monitor : callable, optional
+      Called with (height, width, 3) uint8, what a monitor shows, at first and whenever that has changed.
+    """
+
+    def __init__(self, settings: BoardSettings, monitor: Monitor | None = None) -> None:
         self.board = BoardModel(
             settings.screen_width,
             settings.screen_height,
@@ -91,6 +107,10 @@ class ModelEngine(Engine):
         )
         self._baud = settings.baud
         self._answers = bytearray()
+        self._screen, self._buffers = self.board.screen, settings.buffers
+        self._monitor = monitor
+        self._last: np.ndarray | None = None
+        self._show()
 
     def set_baud(self, baud: int) -> None:
         self._baud = baud
@@ -101,8 +121,18 @@ class ModelEngine(Engine):
         ratio = self._baud / (board.phase_step * clock / (1 << PHASE_BITS))
         if abs(ratio - 1) <= SAME_RATE:
             self._answers += board.feed(data)
+            self._show()
         elif ratio < BREAK_RATE and 0 in data:
             board.phase_step = board.identity["default_phase_step"]
+
+    def _show(self) -> None:
+        """Tell the monitor, if there is one, what has changed."""
+        if self._monitor is None:
+            return
+        shown = self._screen.shown if self._buffers == 2 else self._screen.plane(0)
+        if self._last is None or not np.array_equal(shown, self._last):
+            self._last = shown.copy()
+            self._monitor(BoardReader.as_rgb(shown.copy()))
 
     def take(self) -> bytes:
         data = bytes(self._answers)
@@ -271,7 +301,7 @@ def board_engine(name: str | None) -> str:
     return name
 
 
-def start_engine(name: str, settings: BoardSettings) -> Engine:
+def start_engine(name: str, settings: BoardSettings, monitor: Monitor | None = None) -> Engine:
     """
     A board that runs.
 
@@ -280,15 +310,19 @@ def start_engine(name: str, settings: BoardSettings) -> Engine:
     name : str
       One of ``BOARD_ENGINES``.
     settings : BoardSettings
+    monitor : callable, optional
+      As for :class:`ModelEngine`, and of it alone.
 
     Raises
     ------
     QuadshadeError
-      An unknown engine, a missing simulator, or generics that the board cannot be built with.
+      An unknown engine, one without a monitor, a missing simulator, or generics that the board cannot be built with.
     """
     name = board_engine(name)
     if name == "model":
-        return ModelEngine(settings)
+        return ModelEngine(settings, monitor)
+    if monitor is not None:
+        raise QuadshadeError(f"the engine {name} shows no monitor", "use --engine model")
     try:
         if name == "verilator":
             return ProgramEngine(verilator_board(settings.generics()))

@@ -55,7 +55,7 @@ class BoardSettings:
     fifo_words : int
       Of the command FIFO: a power of two from 256, which hold the longest frame, to 32768.
     with_edge_map, single_port_memory, with_video, with_packed_read, single_buffer : int
-      0 or 1. ``with_video`` makes words for a monitor, which a simulated board shows to nobody.
+      0 or 1. ``with_video`` makes words for a monitor, which only the golden model of a board shows.
     buffers : int
       2: one is shown while the other is drawn, until a swap.
     colour_bits : int

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import signal
+from functools import partial
 from pathlib import Path
 
 import click
@@ -42,6 +43,12 @@ from quadshade.errors import QuadshadeError
     metavar="NAME=VALUE",
     help="Set a generic of the core or the board under its VHDL name (repeatable), e.g. fifo_words=2048.",
 )
+@click.option(
+    "--monitor",
+    metavar="FILE.png",
+    type=click.Path(path_type=Path),
+    help="Write what a monitor shows, whenever that changes; with --engine model.",
+)
 @click.option("--shade", is_flag=True, help="With the shade unit: a diffuse and a specular channel.")
 def board(
     engine: str | None,
@@ -50,6 +57,7 @@ def board(
     screen: str | None,
     preset: str | None,
     generics: tuple[str, ...],
+    monitor: Path | None,
     shade: bool,
 ) -> None:
     """
@@ -62,12 +70,14 @@ def board(
     quadshade board --pty ./board.tty
     quadshade board --tcp 7777 --engine model --screen 320x240
     quadshade board --pty ./board.tty --board icebreaker
+    quadshade board --pty ./board.tty --engine model --generic buffers=2 --monitor shown.png
     """
     from quadshade.board.endpoints import PtyLine, TcpLine, tcp_address
     from quadshade.board.engines import board_engine, start_engine
     from quadshade.board.large_screen import large_screen_notice
     from quadshade.board.settings import board_settings
     from quadshade.board.simulated import SimulatedBoard
+    from quadshade.image import write_png
     from quadshade.scene.key_values import parse_size
 
     if pty is not None and tcp is not None:
@@ -81,7 +91,8 @@ def board(
     # The line first: a path or a port that cannot be had is said before anything is compiled.
     line = PtyLine(pty, settings.baud) if address is None else TcpLine(address[1], address[0])
     try:
-        running = start_engine(name, settings)
+        shows = None if monitor is None else partial(write_png, monitor)
+        running = start_engine(name, settings, shows)
     except BaseException:
         line.close()
         raise

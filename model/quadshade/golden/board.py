@@ -149,7 +149,7 @@ class BoardModel(CommandDecoder):
         with_packed_read: bool = True,
     ) -> None:
         formats = formats or Formats()
-        screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits)
+        self.screen = screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits)
         has = {
             "depth_test": formats.with_depth,
             "shade": formats.with_shade,
