@@ -13,7 +13,6 @@ from collections.abc import Callable
 import numpy as np
 
 from quadshade.board.programs import ghdl_board, verilator_board
-from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
 from quadshade.choices import BOARD_ENGINES
 from quadshade.contract.protocol import PHASE_BITS
@@ -87,7 +86,7 @@ class ModelEngine(Engine):
     ----------
     settings : BoardSettings
     monitor : callable, optional
-      Called with (height, width, 3) uint8, what a monitor shows, at first and whenever that has changed.
+      Called with (height, width, channels) uint8, what a monitor shows, at first and whenever that changes.
     """
 
     def __init__(self, settings: BoardSettings, monitor: Monitor | None = None) -> None:
@@ -132,7 +131,7 @@ class ModelEngine(Engine):
         shown = self._screen.shown if self._buffers == 2 else self._screen.plane(0)
         if self._last is None or not np.array_equal(shown, self._last):
             self._last = shown.copy()
-            self._monitor(BoardReader.as_rgb(shown.copy()))
+            self._monitor(self._last)
 
     def take(self) -> bytes:
         data = bytes(self._answers)

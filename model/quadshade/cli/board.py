@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import signal
-from functools import partial
 from pathlib import Path
 
 import click
@@ -75,6 +74,7 @@ def board(
     from quadshade.board.endpoints import PtyLine, TcpLine, tcp_address
     from quadshade.board.engines import board_engine, start_engine
     from quadshade.board.large_screen import large_screen_notice
+    from quadshade.board.readback import BoardReader
     from quadshade.board.settings import board_settings
     from quadshade.board.simulated import SimulatedBoard
     from quadshade.image import write_png
@@ -91,7 +91,7 @@ def board(
     # The line first: a path or a port that cannot be had is said before anything is compiled.
     line = PtyLine(pty, settings.baud) if address is None else TcpLine(address[1], address[0])
     try:
-        shows = None if monitor is None else partial(write_png, monitor)
+        shows = None if monitor is None else lambda shown: write_png(monitor, BoardReader.as_rgb(shown))
         running = start_engine(name, settings, shows)
     except BaseException:
         line.close()
