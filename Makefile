@@ -139,8 +139,9 @@ turnspeed: setup ## processor time of a frame of turn and view, beside VTK; docs
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.turn_speed
 
 .PHONY: hostspeed
-hostspeed: setup ## measure set-up, host path and golden model on one core, write docs/reports/hostspeed.md
+hostspeed: setup ## measure the host, planning and fits on one core; docs/reports/hostspeed.md, planspeed.md
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.host_speed
+	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.plan_speed
 
 .PHONY: helpspeed
 helpspeed: setup ## processor time of help and completion, beside an earlier commit; docs/reports/helpspeed.md
