@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from quadshade.board.fallbacks import COLOURS, clear_word
 from quadshade.board.frame_time import BoardClock
-from quadshade.board.ports import Port
 from quadshade.choices import parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.identity import colour_bits, plane_bytes
@@ -21,6 +20,9 @@ from quadshade.golden.board import DrawnScreen
 from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours
 from quadshade.link.planes import read_area, read_picture
 from quadshade.link.session import Session
+
+if TYPE_CHECKING:
+    from quadshade.board.ports import Port
 
 
 class BoardReader:
