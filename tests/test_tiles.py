@@ -262,6 +262,18 @@ def test_no_board_is_too_small_and_no_picture_too_large() -> None:
             quadshade.render("icosphere:0", port=opened, size=(9000, 3))
 
 
+def test_a_picture_that_no_memory_holds_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("quadshade.board.tiled_picture.np.tile", full)
+    with (
+        small_board() as opened,
+        pytest.raises(QuadshadeError, match="61x47 pixels does not fit in this mach"),
+    ):
+        quadshade.render("icosphere:0", port=opened, **SMALL)
+
+
 def test_a_picture_that_no_board_draws_is_refused() -> None:
     told: list[str] = []
     with (

@@ -5,8 +5,8 @@ What tiles cost against one screen that were large enough, and how fast several 
 
 Every tile is cut and packed, its frames' bytes are counted, and the golden model says the core's clocks. A
 tile takes the clocks of the bytes that are sent, or of the core where it is slower, and those of the bytes
-that are read. Boards take tiles as the pool gives them out, the dearest first. Some tiles are drawn by the simulated
-board as well, and its clocks compared. Writes docs/reports/scale.md and scale.json.
+that are read. Boards take tiles as the pool gives them out, the dearest first. Some tiles are drawn by the
+simulated board as well, and its clocks compared. Writes docs/reports/scale.md and scale.json.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def share(scene: str, name: str) -> list[dict]:
 
 def check(scene: str, tiles: int) -> list[dict]:
     """Clocks of tiles on the simulated board, and those computed."""
-    settings = BoardSettings(screen_width=160, screen_height=120)
+    settings = BoardSettings(screen_width=160, screen_height=120, with_packed_read=0)
     picture = picture_of(scene, (320, 240), settings.formats)
     rows = []
     with Board("sim", settings=settings, engine="verilator") as board:
@@ -245,12 +245,13 @@ def report(results: dict) -> str:
     ]
     about = f"""
         Written by `{results["command"]}` (`make scale`). All pictures are drawn exactly (`--pack-error 0`),
-        and read whole; each is the golden model's byte for byte.
+        and read whole, without packing; each is the golden model's byte for byte. Boards that
+        [pack what is read](readback.md) take a part of the bytes that are read here.
     """
     tiles_text = """
-        *One* is a screen as large as the picture, which is drawn and read whole. Bytes are to the board + from
-        it; CLEAR, words, questions, answers and CRCs are among them. Triangles across a seam are sent for each
-        side of it, but a tile covers only what is drawn, so fewer pixels are read.
+        *One* is a screen as large as the picture, which is drawn and read whole. Bytes are to the board
+        + from it; CLEAR, words, questions, answers, CRCs are among them. Triangles across a seam are sent for
+        each side of it, but a tile covers only what is drawn, so fewer pixels are read.
     """
     shared_text = f"""
         {SHARED_SIZE[0]}x{SHARED_SIZE[1]} pixels. A tile takes the clocks of the bytes that are sent, or of

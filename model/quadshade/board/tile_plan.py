@@ -47,7 +47,7 @@ def plan_tiles(
     extents: Ints,
     size: tuple[int, int],
     most: tuple[int, int],
-    pixel_bytes: int,
+    pixel_bytes: float,
     boards: int = 1,
 ) -> list[Cost]:
     """
@@ -61,7 +61,7 @@ def plan_tiles(
       Width and height of the picture.
     most : tuple of int
       Width and height of a tile at most.
-    pixel_bytes : int
+    pixel_bytes : float
       Read of every pixel.
     boards : int
       Boards that draw at the same time.
@@ -102,7 +102,7 @@ def _cuts(low: int, high: int, most: int) -> Iterator[list[int]]:
         yield [low, *range(low + first, high, most), high] if first > 0 else even
 
 
-def _best_bands(extents: Ints, width: int, height: int, pixel_bytes: int) -> list[Cost]:
+def _best_bands(extents: Ints, width: int, height: int, pixel_bytes: float) -> list[Cost]:
     """The cheapest of several ways to cut into bands, each of them cut best."""
     top, bottom = int(extents[:, 1].min()), int(extents[:, 3].max())
     plans = []
@@ -122,7 +122,7 @@ def _total(tiles: Sequence[Cost]) -> int:
     return sum(cost.bytes for cost in tiles)
 
 
-def _best_columns(extents: Ints, width: int, pixel_bytes: int) -> list[Cost]:
+def _best_columns(extents: Ints, width: int, pixel_bytes: float) -> list[Cost]:
     """One band, cut where that is cheapest; each tile is as large as what is drawn on it."""
     left, right = int(extents[:, 0].min()), int(extents[:, 2].max())
     plans = []
@@ -135,6 +135,6 @@ def _best_columns(extents: Ints, width: int, pixel_bytes: int) -> list[Cost]:
                 (x, y), (end_x, end_y) = near[:, :2].min(axis=0), near[:, 2:].max(axis=0)
                 tile = Rectangle(int(x), int(y), int(end_x - x), int(end_y - y))
                 area = tile.width * tile.height
-                tiles.append(Cost(tile, area * pixel_bytes + len(within) * PACKET_BYTES + TILE_BYTES))
+                tiles.append(Cost(tile, round(area * pixel_bytes) + len(within) * PACKET_BYTES + TILE_BYTES))
         plans.append(tiles)
     return min(plans, key=_total)

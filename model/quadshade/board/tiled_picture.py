@@ -27,6 +27,9 @@ from quadshade.setup.triangle_setup import setup_triangles
 
 COLOUR, DEPTH = PLANES[:2]
 
+PACKED_SHARE = 0.25
+"""Of a pixel's bytes, about, where boards pack what is read (docs/reports/readback.md)."""
+
 EDGE_MARGIN = 1
 """An edge map looks at a pixel's neighbours."""
 
@@ -135,7 +138,9 @@ class TiledPicture:
         self._layers.append(_Layer(Cuttable(primitives, self.formats), shade, triangles))
         self.triangles += triangles
 
-    def plan(self, most: tuple[int, int], planes: Sequence[str], boards: int = 1) -> list[Cost]:
+    def plan(
+        self, most: tuple[int, int], planes: Sequence[str], boards: int = 1, packed: bool = False
+    ) -> list[Cost]:
         """
         The tiles that are not all ground, the dearest one first.
 
@@ -147,11 +152,13 @@ class TiledPicture:
           What will be read.
         boards : int
           That draw at the same time.
+        packed : bool
+          Whether what is read is packed.
         """
         margin = margin_of(planes)
         extents = np.concatenate([np.zeros((0, 4), int), *(layer.cuttable.extents for layer in self._layers)])
         extents = extents + np.array([-margin, -margin, margin, margin])
-        size = sum(len(self.empty(plane)) for plane in planes)
+        size = sum(len(self.empty(plane)) for plane in planes) * (PACKED_SHARE if packed else 1.0)
         return plan_tiles(extents, (self.width, self.height), most, size, boards)
 
     def parts(self, where: Rectangle, board: Formats) -> list[Part]:
@@ -204,9 +211,22 @@ class TiledPicture:
         return found
 
     def ground(self, planes: Sequence[str]) -> Planes:
-        """Planes of the picture where nothing is drawn, to paste tiles into."""
+        """
+        Planes of the picture where nothing is drawn, to paste tiles into.
+
+        Raises
+        ------
+        QuadshadeError
+          This machine has no memory for them.
+        """
         size = (self.height, self.width)
-        return {plane: np.tile(self.empty(plane), (*size, 1)) for plane in planes}
+        try:
+            return {plane: np.tile(self.empty(plane), (*size, 1)) for plane in planes}
+        except MemoryError:
+            raise QuadshadeError(
+                f"a picture of {self.width}x{self.height} pixels does not fit in this machine's memory",
+                "give a smaller --size",
+            ) from None
 
     def empty(self, plane: str) -> np.ndarray:
         """(bytes,) uint8: a pixel of a plane where nothing is drawn nearby."""

@@ -20,6 +20,7 @@ from quadshade.board.tiled_picture import COLOUR, DEPTH, Planes, TiledPicture, m
 from quadshade.board.worker_boards import WorkerBoard, WorkerPool
 from quadshade.choices import MAX_ERROR, VERIFIES, parse_verify
 from quadshade.contract.formats import Formats
+from quadshade.contract.identity import has_feature
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -285,7 +286,12 @@ class TiledScreen:
         )
         most = [self._most(board, planes) for board in self.pool.boards]
         largest = max(most, key=lambda size: size[0] * size[1], default=(1, 1))
-        plan = picture.plan(largest, planes, len(self.pool.boards))
+        packed = all(
+            has_feature(board.identity, "packed_read")
+            for board in self.pool.boards
+            if isinstance(board, Board)
+        )
+        plan = picture.plan(largest, planes, len(self.pool.boards), packed)
         jobs = [(float(cost.bytes), cost.tile) for cost in plan]
         total, done = sum(cost for cost, _ in jobs), 0.0
         if self._store is not None:

@@ -10,7 +10,7 @@ from scripts.experiments import scale
 
 
 def test_computed_bytes_are_those_of_a_session() -> None:
-    settings = BoardSettings(screen_width=40, screen_height=30)
+    settings = BoardSettings(screen_width=40, screen_height=30, with_packed_read=0)
     picture = scale.picture_of("torus:288", (80, 60), settings.formats)
     with Board("sim", settings=settings, engine="model") as board:
         for cost in picture.plan((40, 30), ("colour",)):
