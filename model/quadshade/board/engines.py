@@ -315,7 +315,7 @@ def start_engine(name: str, settings: BoardSettings, monitor: Monitor | None = N
     Raises
     ------
     QuadshadeError
-      An unknown engine, one without a monitor, a missing simulator, or generics that the board cannot be built with.
+      An unknown engine, one without a monitor, a missing simulator, or generics that no board is built with.
     """
     name = board_engine(name)
     if name == "model":

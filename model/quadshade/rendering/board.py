@@ -178,7 +178,7 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
         + (f", in {board.tiles} tiles" if isinstance(board, TiledScreen) else "")
         + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
-        + _colours_note(board)
+        + (f", {board.colour_bits} bits a colour, dithered" if board.colour_bits < 8 else "")
         + _packing_note(pack_error)
         + note
     )
@@ -195,11 +195,6 @@ def pack_error_for(port: PortChoice, board: Board | TiledScreen) -> float:
 def _needs_depth(settings: RenderSettings, board: Board | TiledScreen) -> bool:
     """Whether a style looks at where something was drawn, and the board can say it by its depth."""
     return settings.style.style in ("hatch", "cartoon") and bool(board.formats.with_depth)
-
-
-def _colours_note(board: Board | TiledScreen) -> str:
-    """What a board keeps of a colour, if that is less than a byte."""
-    return "" if board.colour_bits == 8 else f", {board.colour_bits} bits a colour, dithered"
 
 
 def _packing_note(pack_error: float) -> str:
