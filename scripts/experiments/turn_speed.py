@@ -3,8 +3,8 @@
 """
 What a frame of `turn` and a picture of `view` cost, beside VTK with OpenGL in software, in one run.
 
-Processor time of one core, frame about frame of both, so that whatever else the machine does meets both alike;
-the ratio is what another machine can compare. Writes docs/reports/turn_speed.md and .json.
+Processor time of one core, frame about frame of both, so that whatever else the machine does meets both; the
+ratio is what another machine can compare. Writes docs/reports/turn_speed.md and .json.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def report(results: dict[str, Any]) -> str:
         [
             LICENCE + "\n# What a frame costs the host",
             paragraph(
-                f"""Written by `{results["command"]}` (`make turnspeed`). {results["scene"]}, the golden model,
+                f"""Written by `{results["command"]}` (`make turnspeed`). {results["scene"]}, golden model,
                 processor time of one core after start, median of {frames} frames; VTK {results["vtk"]} draws
                 the same mesh with the same normals and camera by OpenGL in software
                 ({results["renderer"]}, one thread), Phong shading, and its picture is fetched. Frames of all

@@ -106,7 +106,7 @@ class Animation:
         Parameters
         ----------
         levers : Levers, optional
-          Of the frame before; without them those are chosen that are best for frames from the whole animation.
+          Of the frame before; without them those that are best for frames from the whole animation.
         """
         every = max(len(self) // LOOKED_AT, 1)
 

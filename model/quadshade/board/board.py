@@ -275,14 +275,14 @@ class Board(BoardReader):
         limit, **setup
           As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
         deadline : float, optional
-          Seconds that line and board may take for the picture, its :meth:`clear` included; words get shorter for
-          it, to half a grey level. :attr:`late` counts what a bad line has delayed nevertheless.
+          Seconds that line and board may take for the picture, its :meth:`clear` included; words get shorter
+          for it, to half a grey level. :attr:`late` counts what a bad line has delayed nevertheless.
 
         Raises
         ------
         QuadshadeError
-          The picture is larger than the screen, the triangles have channels that the board cannot draw, or they
-          would miss the deadline: then nothing is sent.
+          The picture is larger than the screen, the triangles have channels that the board cannot draw, or
+          they would miss the deadline: then nothing is sent.
         """
         matched, notices = fallbacks.matched_channels(triangles, self.formats)
         self._check_size(matched.width, matched.height)

@@ -47,11 +47,11 @@ class BoardPlace:
     """
     Columns of where a board is.
 
-    ``arrived`` frames are judged, ``waiting`` of their words in the FIFO, whose word is shown when ``fetching``
-    is 0; ``command`` is executed, at ``place``, with ``words_left``; of ``steps`` ``step`` is next, ``bit`` the
-    bit of the packed word, ``given`` those of the set-up word, which is ``full``; ``closed`` and ``flying`` are
-    clocks until the screen is clear and the last of so many ``pixels`` written; ``idle`` is a register;
-    ``clocks_busy`` counts its zeros.
+    ``arrived`` frames are judged, ``waiting`` of their words in the FIFO, whose word is shown when
+    ``fetching`` is 0; ``command`` is executed, at ``place``, with ``words_left``; of ``steps`` ``step`` is
+    next, ``bit`` the bit of the packed word, ``given`` those of the set-up word, which is ``full``;
+    ``closed`` and ``flying`` are clocks until the screen is clear and the last of so many ``pixels``
+    written; ``idle`` is a register; ``clocks_busy`` counts its zeros.
     """
 
     arrived: int

@@ -42,10 +42,6 @@ VERIFIED = {
 """What a summary says of each of ``choices.VERIFIES``."""
 
 
-LEAST_ROOM = 512
-"""Words of a board's FIFO: with fewer, the host waits for credits between frames."""
-
-
 def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) -> None:
     """Refuse what only engines have."""
     if engine.waves is not None:
@@ -136,10 +132,9 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
         if settings.adapt.frame_time is not None:
             if isinstance(board, TiledScreen):
                 raise QuadshadeError("a frame time for a picture in tiles", "leave it out, or give one board")
-            if board.identity["fifo_words"] < LEAST_ROOM:
-                reports.notice(
-                    f"the line may pause, and a frame be late: the board's FIFO has under {LEAST_ROOM} words"
-                )
+            if board.identity["fifo_words"] < 512:
+                # The host waits for credits between frames.
+                reports.notice("the line may pause, and a frame be late: the board's FIFO is small")
             paced = pace or Pace()
             scene, timing = in_time(settings, scene, formats, board.clock, reports, paced, board.formats)
             deadline = {"deadline": timing.milliseconds / 1000}

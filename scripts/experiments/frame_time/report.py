@@ -80,7 +80,7 @@ def board_of(picture: Picture, rate: tuple[int, int]) -> BoardSettings:
 
 
 def through_vhdl(pictures: Sequence[Picture], rate: tuple[int, int]) -> list[dict[str, Any]]:
-    """What the board's VHDL counts at the deadlines of pictures of one kind of channels, and what was said."""
+    """What the board's VHDL counts at the deadlines of pictures of one kind of channels."""
     settings = board_of(pictures[0], rate)
     formats, clock = settings.formats, BoardClock(CLOCK_HZ, rate[0], *SIZE)
     jobs, said, number = [], [], 0
@@ -106,7 +106,7 @@ def through_vhdl(pictures: Sequence[Picture], rate: tuple[int, int]) -> list[dic
 
 
 def on_a_bad_line(pictures: Sequence[Picture], rate: tuple[int, int]) -> dict[str, Any]:
-    """Pictures over a line with faults to the golden model of the board: how many are late, how many wrong."""
+    """Pictures over a line with faults to the golden model of the board: how many late, how many wrong."""
     settings = board_of(pictures[0], rate)
     formats, clock = settings.formats, BoardClock(CLOCK_HZ, rate[0], *SIZE)
     crcs, late, took = [], 0, []
@@ -181,8 +181,9 @@ def through(rows: Sequence[dict[str, Any]]) -> list[str]:
             )
         ]
     said = """Of these frames every bit goes through the board's VHDL (Verilator), UART pins included. Its
-        counters are read at the deadline; *said* and *counted* are its busy clocks, by the model and by STATUS,
-        and primitives that are not drawn by then are missing. For all other frames stands the model alone."""
+        counters are read at the deadline; *said* and *counted* are its busy clocks, by the model and by
+        STATUS, and primitives that are not drawn by then are missing. For all other frames stands the
+        model alone."""
     table = [
         (row["scene"], row["frame"], row["baud"], row["said"], row["counted"], row["primitives_missing"])
         for row in rows
@@ -222,8 +223,9 @@ def report(results: dict[str, Any]) -> str:
         [
             LICENCE + "\n# A picture in every frame time",
             paragraph(
-                f"""Written by `{results["command"]}` (`make frametime`). {results["whole"]} frames are a whole
-                turn; {SIZE[0]} x {SIZE[1]} pixels, a board of {CLOCK_HZ / 1e6:g} MHz. Ten thousand bytes fit
+                f"""Written by `{results["command"]}` (`make frametime`). {results["whole"]} frames are a
+                whole turn; {SIZE[0]} x {SIZE[1]} pixels, a board of {CLOCK_HZ / 1e6:g} MHz. Ten thousand
+                bytes fit
                 on the line in either frame time, less what the board draws on behind it; frames are planned
                 for the stricter one. Times are clocks of the board, by the model in
                 `model/quadshade/board/frame_time.py`; none is of the machine that wrote this."""
@@ -232,8 +234,9 @@ def report(results: dict[str, Any]) -> str:
             "## In time",
             paragraph(
                 f"""*Longest*: from a frame's first bit until its last pixel is written, of the frame time.
-                *Line*: how much of the frame time it is busy, in the mean and at least. A scene that is within
-                {ENOUGH_ERROR:g} grey levels (root mean square), which is nearly all the output's rounding,
+                *Line*: how much of the frame time it is busy, in the mean and at least. A scene that is
+                within {ENOUGH_ERROR:g} grey levels (root mean square), which is nearly all the output's
+                rounding,
                 needs no more of it."""
             ),
             markdown_table(
@@ -264,8 +267,8 @@ def report(results: dict[str, Any]) -> str:
             markdown_table(("scene", "frame time", "unbudgeted", "fixed", "changes"), flicker),
             "## A bad line",
             paragraph(
-                f"""Faults at {FAULTS:g} a byte both ways, to the golden model of the board. A damaged frame is
-                sent again, with those behind it, so that a picture which fills its time is late; the host
+                f"""Faults at {FAULTS:g} a byte both ways, to the golden model of the board. A damaged frame
+                is sent again, with those behind it, so that a picture which fills its time is late; the host
                 counts it, and every picture has the CRC of the undamaged line's."""
             ),
             markdown_table(("scene", "baud", "frames", "late", "wrong", "link frames sent again"), bad)

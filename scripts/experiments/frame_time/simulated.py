@@ -2,8 +2,8 @@
 """
 Pictures through the board's VHDL, UART pins included, at times that only the board's own clock tells.
 
-Zeros between frames are nothing to a board, so they fill the line up to a picture's deadline; the STATUS whose
-last bit is the deadline then says what was drawn until then. No clock of this machine has a part in it.
+Zeros between frames are nothing to a board, so they fill the line up to a picture's deadline; the STATUS
+whose last bit is the deadline then says what was drawn until then. No clock of this machine has a part in it.
 """
 
 from __future__ import annotations
