@@ -38,7 +38,6 @@ from quadshade.cli.scene_options import (
 )
 from quadshade.cli.style_options import GBUFFER_OPTIONS, STYLE_OPTIONS
 from quadshade.cli.terminal import reporting, say_statistics
-from quadshade.errors import QuadshadeError
 
 
 @click.command(cls=TitledCommand, epilog=GENERICS_EPILOG, short_help="Draw a mesh file or a generated scene.")
@@ -62,9 +61,7 @@ from quadshade.errors import QuadshadeError
     [resume_option, dask_option],
     [output_option("PNG file to write."), supersample_option, stats_option, waves_option],
 )
-def render(
-    scene: str, output: Path, stats: Path | None, fps: float | None, resume: bool, **options: Any
-) -> None:
+def render(scene: str, output: Path, stats: Path | None, resume: bool, **options: Any) -> None:
     """
     Draw SCENE: a mesh file (OBJ, PLY, STL, GLB) or a generated mesh.
 
@@ -93,10 +90,6 @@ def render(
             import trimesh  # noqa: F401 - what divides it takes it from there
 
     check_png(output)
-    if fps is not None:
-        if options["frame_time"] is not None:
-            raise QuadshadeError("--fps and --frame-time are given", "give one of them")
-        options["frame_time"] = 1000 / fps
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
     if keywords["port"] is not None or keywords["dask"] is not None:

@@ -7,8 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from quadshade.choices import parse_fps
 from quadshade.contract.formats import Formats, parse_generics
 from quadshade.contract.triangles import Drawing, ScreenTriangles
+from quadshade.errors import QuadshadeError
 from quadshade.rendering.draw import draw_triangles, render_picture
 from quadshade.rendering.groups import EngineChoice, SetupChoice
 from quadshade.rendering.keywords import check_kind
@@ -53,6 +55,7 @@ def render(
     budget: str | int | tuple[int, str] | None = None,
     error_measure: str | None = None,
     frame_time: float | None = None,
+    fps: float | None = None,
     clock: float | None = None,
     verify: bool | str = True,
     style: str = "none",
@@ -135,6 +138,8 @@ def render(
     frame_time : float, optional
       Milliseconds in which a board has to have the whole picture: the least error (``rms`` by default) that
       its line and its core allow (``docs/guide/frame_time.md``).
+    fps : float, optional
+      The same as frames a second.
     clock : float, optional
       MHz of the core that a frame time is for where there is no port; 100. Its line has ``baud``.
     verify : bool or str
@@ -185,6 +190,11 @@ def render(
     """
     keywords = dict(locals())
     reports = keywords.pop("reports")
+    check_kind("fps", keywords.pop("fps"), None)
+    if fps is not None:
+        if frame_time is not None:
+            raise QuadshadeError("--fps and --frame-time are given", "give one of them")
+        keywords["frame_time"] = 1000 / parse_fps(fps)
     return render_picture(RenderSettings.collect(keywords), reports)
 
 

@@ -115,7 +115,8 @@ FILE = Kind(_is_path, "the path of a file")
 CALLABLE = Kind(callable, "a function")
 KINDS = (
     dict.fromkeys(
-        ("exponent", "smoothness", "jump", "crease", "max_error", "frame_time", "clock", "timeout"), NUMBER
+        ("exponent", "smoothness", "jump", "crease", "max_error", "frame_time", "fps", "clock", "timeout"),
+        NUMBER,
     )
     | dict.fromkeys(("toon", "supersample", "baud"), COUNT)
     | dict.fromkeys(("cull",), SWITCH)
