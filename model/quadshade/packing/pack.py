@@ -68,11 +68,17 @@ class Packed:
 
 @njit(cache=True)
 def _put(out: Words32, at: int, value: Int, bits: int) -> int:
-    """Write bits, the lowest first; without words to write to only count them."""
-    if len(out):
-        for index in range(bits):
-            place = at + index
-            out[place // SETUP_WORD_BITS] |= np.uint32(((value >> index) & 1) << (place % SETUP_WORD_BITS))
+    """Write up to 64 bits of a value, the lowest first; what stands there is zero."""
+    if bits:
+        shift = np.uint64(at % SETUP_WORD_BITS)
+        left = np.uint64(value) & (np.uint64(0xFFFFFFFFFFFFFFFF) >> np.uint64(64 - bits))
+        out[at // SETUP_WORD_BITS] |= np.uint32((left << shift) & np.uint64(0xFFFFFFFF))
+        left >>= np.uint64(SETUP_WORD_BITS) - shift
+        place = at // SETUP_WORD_BITS + 1
+        while left:
+            out[place] |= np.uint32(left & np.uint64(0xFFFFFFFF))
+            left >>= np.uint64(SETUP_WORD_BITS)
+            place += 1
     return at + bits
 
 
@@ -145,16 +151,32 @@ def _write(packets: _Packets, layout: _Layout, out: Words32, starts: Ints) -> in
     return at
 
 
+@njit(cache=True)
+def _fill_top_bits(values: Ints, is_signed: bool, out: Ints) -> None:
+    """As :func:`_top_bits`, of a row of values."""
+    for index in range(len(values)):
+        left = ~values[index] if values[index] < 0 else values[index]
+        length = 0
+        while left:
+            left >>= 1
+            length += 1
+        out[index] = length if is_signed else max(length - 1, 0)
+
+
 def _top_bits(values: np.ndarray, fill: str) -> np.ndarray:
     """The number of the highest bit that has to be sent of each value; 0 if none has to."""
-    magnitude = np.where(values < 0, ~values, values)
-    length = np.zeros(values.shape, np.int64)
-    for step in (32, 16, 8, 4, 2, 1):
-        more = magnitude >> step > 0
-        length += step * more
-        magnitude = np.where(more, magnitude >> step, magnitude)
-    length += magnitude > 0
-    return length if fill == "sign" else np.maximum(length - 1, 0)
+    out = np.empty(values.shape, np.int64)
+    _fill_top_bits(values, fill == "sign", out)
+    return out
+
+
+def _most_bits(size: int, formats: Formats) -> int:
+    """More bits than packets have, whatever they say."""
+    change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
+    widths = change << size_of("width_address_bits", formats)
+    fields = sum(bits for _, bits, _, _ in packed_fields(formats))
+    words = formats.carried_channels * (2 + NUM_DIFFERENCES * formats.word_width)
+    return size * (3 + NUM_RAW + widths + fields + words)
 
 
 def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
@@ -278,9 +300,9 @@ def pack_primitives(
         size_of("width_address_bits", formats),
     )
     starts = np.zeros(size + 1, np.int64)
-    bits = _write(packets, layout, np.zeros(0, np.uint32), starts)
-    words = np.zeros(-(-bits // SETUP_WORD_BITS), np.uint32)
-    _write(packets, layout, words, starts)
+    room = np.zeros(_most_bits(size, formats) // SETUP_WORD_BITS + 1, np.uint32)
+    bits = _write(packets, layout, room, starts)
+    words = room[: -(-bits // SETUP_WORD_BITS)].copy()
     added = (primitives.bound - before)[:, : formats.num_channels]
     return Packed(words, primitives, starts, float(added.max(initial=0.0)))
 

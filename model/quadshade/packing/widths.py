@@ -15,37 +15,41 @@ from quadshade.contract.arrays import Ints
 from quadshade.contract.formats import Formats
 from quadshade.contract.packed_format import size_of
 
-
-@njit(cache=True)
-def _bits_sent(value: int, below: int, is_top: bool) -> int:
-    return max(value + 1 - below, 0) if is_top else -value
+NEVER = 1 << 60
+"""A cost that no path has."""
 
 
 @njit(cache=True)
 def _hold_one(
-    need: Ints, count: Ints, below: Ints, is_top: bool, change: float, states: int, out: Ints
+    need: Ints, count: Ints, below: Ints, is_top: bool, change: int, states: int, out: Ints
 ) -> None:
     """The cheapest values of one width over the packets (``out``): at most ``need``, for a top at least."""
-    cost, before = np.zeros(states), np.zeros(states)
+    cost = np.zeros(states, np.int64)
     changed = np.zeros((len(need), states), np.bool_)
-    best = np.zeros(len(need), np.int64)
-    known = False
+    best = np.full(len(need), -1, np.int64)
+    cheapest, known = 0, False
     for p in range(len(need)):
         if count[p] == 0:
-            best[p] = -1
             continue
-        before[:] = cost
-        best[p] = np.argmin(before)
+        best[p] = cheapest
+        anew = cost[cheapest] + change
+        first, last = (need[p], states) if is_top else (0, need[p] + 1)
+        least = NEVER
         for value in range(states):
-            if not known or before[best[p]] + change < before[value]:
+            if value < first or value >= last:
+                changed[p, value] = not known or anew < cost[value]
+                cost[value] = NEVER
+                continue
+            before = cost[value]
+            if not known or anew < before:
                 changed[p, value] = True
-                cost[value] = before[best[p]] + change
-            if value < need[p] if is_top else value > need[p]:
-                cost[value] = np.inf
-            else:
-                cost[value] += count[p] * _bits_sent(value, below[p], is_top)
+                before = anew
+            bits = max(value + 1 - below[p], 0) if is_top else -value
+            cost[value] = before + count[p] * bits
+            if cost[value] < least:
+                least, cheapest = cost[value], value
         known = True
-    value = int(np.argmin(cost))
+    value = cheapest
     for p in range(len(need) - 1, -1, -1):
         out[p] = value
         if best[p] >= 0 and changed[p, value]:
@@ -71,7 +75,7 @@ def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats:
     (n, k) int64
     """
     change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
-    out = np.zeros_like(need)
+    out = np.zeros(need.shape[::-1], np.int64).T
     for index in range(need.shape[1]):
         asked = need[count[:, index] > 0, index]
         if not len(asked):
@@ -84,7 +88,7 @@ def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats:
             np.ascontiguousarray(count[:, index]),
             column if below is None else below[:, index] - lowest,
             below is not None,
-            float(change),
+            change,
             values,
             column,
         )
@@ -124,6 +128,9 @@ class Needs:
 
     def widths(self, formats: Formats) -> np.ndarray:
         """(n, addresses) int64: the widths of every packet. Bits below are held already."""
-        widths, tops = self.need.copy(order="C"), ~self.is_below
-        widths[:, tops] = hold(self.need[:, tops], self.count[:, tops], self.below[:, tops], formats)
-        return widths
+        tops = np.flatnonzero(~self.is_below)
+        # Address by address: a whole row of memory each.
+        widths = self.need.T.copy()
+        need, count, below = (table.T[tops].T for table in (self.need, self.count, self.below))
+        widths[tops] = hold(need, count, below, formats).T
+        return np.ascontiguousarray(widths.T)

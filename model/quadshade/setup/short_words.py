@@ -82,8 +82,12 @@ def primitive_regions(primitives: Primitives) -> Regions:
 
 
 @njit(cache=True)
-def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints) -> float:
-    """Round the channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used."""
+def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints, most: float) -> float:
+    """
+    Round the channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used.
+
+    A share of more than ``most`` ends it: channels behind are not rounded then.
+    """
     corners, count, fit = regions.corners[p], regions.num_corners[p], regions.fit[p]
     worst = 0.0
     scaled, off = np.zeros(1, FIT)[0], np.zeros(NUM_DIFFERENCES)
@@ -92,6 +96,8 @@ def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints) 
         words, order = given.words[p, channel], given.orders[p, channel]
         added = coarse_words(words, shifts, order, corners, count, fit, scaled, off, out[channel])
         worst = max(worst, added / given.budgets[channel])
+        if worst > most:
+            break
         for difference in range(NUM_DIFFERENCES):
             out[channel, difference] = ((out[channel, difference] + half) & (2 * half - 1)) - half
     return worst
@@ -115,7 +121,7 @@ def _most(given: _Channels, regions: Regions, out: Ints) -> None:
             for difference in range(NUM_DIFFERENCES):
                 shift = int(np.floor(start - spreads[difference]))
                 shifts[difference] = min(max(shift, 0), given.word_width - 1)
-            share = _round(given, regions, p, shifts, rounded)
+            share = _round(given, regions, p, shifts, rounded, 1.0)
             if share <= 1.0:
                 out[p] = shifts
                 break
@@ -123,10 +129,10 @@ def _most(given: _Channels, regions: Regions, out: Ints) -> None:
 
 
 @njit(cache=True)
-def _apply(given: _Channels, regions: Regions, shifts: Ints, out: Ints, used: Floats) -> None:
-    """Round every primitive's channels as ``shifts`` (n, 6) say; ``used`` shares of the budget."""
-    for p in range(len(given.words)):
-        used[p] = _round(given, regions, p, shifts[p], out[p])
+def _apply(given: _Channels, regions: Regions, rows: Ints, shifts: Ints, out: Ints, used: Floats) -> None:
+    """Round the channels of some primitives as ``shifts`` (n, 6) say; ``used`` shares of the budget."""
+    for p in rows:
+        used[p] = _round(given, regions, p, shifts[p], out[p], np.inf)
 
 
 def short_words(
@@ -163,9 +169,12 @@ def short_words(
         _most(given, regions, most)
         differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders[:, channels]]
         sent = (differences[:, :, None] > np.arange(NUM_DIFFERENCES)).sum(axis=1)
+        shifts[kind] = -1
         while True:
-            shifts[kind] = hold(most, sent)
-            _apply(given, regions, shifts[kind], words, used)
+            held = hold(most, sent)
+            rows = np.flatnonzero((held != shifts[kind]).any(axis=1))
+            shifts[kind] = held
+            _apply(given, regions, rows, held, words, used)
             over = used > 1.0
             if not over.any():
                 break
