@@ -40,7 +40,7 @@ entity word_unpacker is
     setup_ready : in std_ulogic;
     setup_data : out std_ulogic_vector(setup_word_bits - 1 downto 0);
 
-    -- A packet is begun, or a set-up word waits.
+    -- A packet is begun, a set-up word waits, or the widths are forgotten, one a cycle after a reset.
     busy : out std_ulogic
   );
 end entity;

@@ -80,8 +80,9 @@ class NetlistRun:
         kept = [case for case in cases if case.label == label]
         measured = [case for case in cases if has_run(case)]
         self.case: Case = kept[0] if kept else min(measured or cases, key=usual_seconds)
-        netlist = write_netlist(dict(self.case.generics), unit)
-        shutil.copyfile(netlist, self.folder / f"{unit}.v")
+        # A mutant's name holds its line: what stands above the first module is cut off.
+        text = write_netlist(dict(self.case.generics), unit).read_text()
+        (self.folder / f"{unit}.v").write_text(text[text.index("\nmodule ") + 1 :])
         self.read = [
             f"read_verilog {unit}.v",
             f"hierarchy -check -top {unit}",
@@ -97,7 +98,7 @@ class NetlistRun:
         run_yosys([*self.read, listing, "write_verilog -noattr clean.v"], self.folder)
         listed = (self.folder / "mutants.txt").read_text().splitlines()
         lines = [line for line in listed if not NO_HARDWARE.search(line)]
-        if len(lines) < count:
+        if len(lines) < count and len(listed) == (number or count):
             return self._listed(count, len(listed) + count - len(lines))
         keys = [f"{self.unit}|{self.case.label}|{line}" for line in lines]
         names = [hashlib.sha256(key.encode()).hexdigest()[:10] for key in keys]

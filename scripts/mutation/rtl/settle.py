@@ -20,7 +20,7 @@ STEPS = ("own", "netlist", "proof", "above")
 """Text on the own bench, netlists on it, proofs of what survives, benches of the units above."""
 
 TEXT_SHARE = 0.5
-LEAST_TEXT, LEAST_NETLIST = 20, 15
+LEAST_TEXT, LEAST_NETLIST = 20, 30
 """Mutants of a unit at least, or as many as it has."""
 
 
