@@ -104,6 +104,23 @@ async def cut_blocks(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_character_is_lost(dut: Any) -> None:
+    """A frame whose blocks are whole is not good where the line lost a character before any of its bytes."""
+    bench = Bench(dut, Config, "a_character_is_lost")
+    await bench.start("line_valid", "line_data", "line_error")
+    unit = Unit(bench)
+    line = cobs.encode(b"a\0bc\0") + b"\0"
+    for lost in range(len(line)):
+        for place, byte in enumerate(line):
+            if place == lost:
+                await unit.cycle(error=True)
+            await unit.cycle(byte)
+    await unit.cycle()
+    bench.check_all("frames", unit.frames, [(b"a\0bc\0", False)] * len(line))
+    bench.finish(at_least=60)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reset_in_any_cycle(dut: Any) -> None:
     """With every byte of a frame, its end among them, and after a character was lost: nothing is left."""
     bench = Bench(dut, Config, "reset_in_any_cycle")

@@ -124,6 +124,14 @@ async def commands(dut: Any, source: str, sink: str) -> None:
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
+async def long_commands(dut: Any) -> None:
+    """As many words as a frame has, and numbers of words of every bit."""
+    bench = await start(dut, "long_commands")
+    await run(bench, "full_speed", "full_speed", [Opcode.TRIANGLES, Opcode.STATE] * 5, 253)
+    bench.finish(at_least=500)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def resets(dut: Any) -> None:
     bench = await start(dut, "resets")
 

@@ -143,7 +143,11 @@ async def read_all(reader: Reader, asked: list[Area], sink: str) -> None:
         await reader.cycle()
         bench.check("refused", bool(dut.refused.value), not values, index, area)
         for _ in range(10_000):
-            if len(reader.sink.words) >= len(values) and dut.area_ready.value:
+            whole = len(reader.sink.words) >= len(values)
+            bench.check(
+                "area_ready amid pixels", bool(dut.area_ready.value) and not whole, False, index, area
+            )
+            if whole and dut.area_ready.value:
                 break
             await reader.cycle()
             bench.check("refused once", bool(dut.refused.value), False, index, area)

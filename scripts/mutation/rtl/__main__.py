@@ -22,7 +22,7 @@ from scripts.mutation.rtl.run_text import sampled
 from scripts.mutation.rtl.settle import STEPS, Settling, counts
 from scripts.one_line_errors import one_line_errors
 
-DEFAULT_COUNT = 1600
+DEFAULT_COUNT = 1700
 
 
 def show(result: Result) -> None:
