@@ -18,7 +18,7 @@ from scripts.mutation.rtl.clean import usual_seconds
 from scripts.mutation.rtl.results import Result
 from scripts.mutation.rtl.run_text import digest_of, own_units
 
-REVIEWED = Path(__file__).with_name("reviewed.toml")
+REVIEWED = [Path(__file__).with_name(f"reviewed{kind}.toml") for kind in ("", "_netlist")]
 NUMBERS = REPORT.with_name("mutation_rtl.json")
 HEADER = (
     "unit", "text", "netlist", "killed by its bench", "by one above", "equivalent, proved", "argued", "alive",
@@ -39,8 +39,8 @@ class Review:
 
 
 def reviews() -> dict[str, Review]:
-    """Every entry of reviewed.toml, by the mutant's name."""
-    entries = tomllib.loads(REVIEWED.read_text()).get("mutant", [])
+    """Every entry of the reviewed lists, by the mutant's name."""
+    entries = [entry for path in REVIEWED for entry in tomllib.loads(path.read_text()).get("mutant", [])]
     return {entry["name"]: Review(**entry) for entry in entries}
 
 
@@ -175,7 +175,7 @@ def section(
     if known:
         parts += [
             "### Equivalent by argument",
-            "From `scripts/mutation/rtl/reviewed.toml`.",
+            "From `reviewed.toml` and `reviewed_netlist.toml` in `scripts/mutation/rtl`.",
             _listed(known, argued),
         ]
     proofs = [result for result in results if result.verdict == "equivalent"]
