@@ -39,6 +39,7 @@ COMMANDS = {
     "picture.qs": ("pack", *SCENE),
     "exact.qs": ("pack", *SCENE, "--pack-error", "0"),
     "board.png": ("render", *SCENE, "--port", "sim", "--engine", "model"),
+    "timed.png": ("render", *SCENE, "--port", "sim", "--engine", "model", "--frame-time", "40"),
 }
 """What is written, and by which words of the command line; small, because interpreted loops are slow."""
 
@@ -66,6 +67,7 @@ def compute(folder: Path) -> None:
     from quadshade.adapt.cho import highlight_subdivision
     from quadshade.adapt.highlight import highlight_centres
     from quadshade.contract.formats import Formats
+    from quadshade.image.compare import largest_and_rms
     from quadshade.scene import load_scene, parse_camera, project
     from quadshade.setup.literature.kernels import METHODS, coefficients
     from quadshade.setup.literature.methods import FITS, fit
@@ -96,6 +98,7 @@ def compute(folder: Path) -> None:
         for where_cut in (Rectangle(3, 2, 5, 6), Rectangle(0, 0, 12, 10)):
             terms[f"{name}{where_cut.width}"] = whole.to(where_cut).words
         terms[f"{name}_shared"] = whole.interleaved(2, 1, 12, 10).words
+    terms["compared"] = np.array(largest_and_rms(*numbers.integers(0, 256, (2, 9, 11, 3), np.uint8)))
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 
 
