@@ -172,6 +172,7 @@ def test_a_picture_gives_its_words(tmp_path: Path) -> None:
         ((EXAMPLE, "-o", "a.hex", "--light", "dir=0,0,1"), "--light is for a mesh"),
         ((*SPHERE, "-o", "a.hex", "--camera", "eye=0,0,9,target=0,0,99"), "there are no words"),
         ((*SPHERE, "-o", "nowhere/a.hex"), "nowhere"),
+        ((*SPHERE, "-o", "/proc/a.hex"), "cannot write"),
         (("none.json", "-o", "a.hex"), "none.json"),
         ((*SPHERE, "-o", "a.hex", "--shading", "phong"), "phong"),
     ],
@@ -184,3 +185,22 @@ def test_wrong_calls_write_nothing(
     assert code == 2
     assert said in output
     assert not list(tmp_path.iterdir())
+
+
+def test_a_file_of_any_name_compiles(tmp_path: Path) -> None:
+    for name in ("int", "main", "7", "a b"):
+        path = tmp_path / f"{name}.c"
+        assert run(*SPHERE, "-o", path)[0] == 0
+        subprocess.run(["gcc", "-c", path, "-o", tmp_path / "a.o"], check=True)
+
+
+def test_no_table_of_words_before_stays(tmp_path: Path) -> None:
+    given = (*SPHERE, "-o", tmp_path / "a.hex")
+    assert run(*given, "--shading", "quadratic-specular")[0] == 0
+    assert (tmp_path / "a.state.csv").exists()
+    assert run(*given)[0] == 0
+    assert not (tmp_path / "a.state.csv").exists()
+    (tmp_path / "b.state.csv").mkdir()
+    code, said = run(*SPHERE, "-o", tmp_path / "b.hex", "--shading", "quadratic-specular")
+    assert code == 2 and "b.state.csv" in said
+    assert {path.name for path in tmp_path.glob("b.*")} == {"b.state.csv"}

@@ -57,7 +57,7 @@ def words(scene: str, output: Path, generics: tuple[str, ...], **options: Any) -
         from quadshade.rendering.words import file_words, picture_words
 
     writer_of(output)
-    tables = [table_path(output, name) for name in ("layout", "packets", "pixels")]
+    tables = [table_path(output, name) for name in ("layout", "packets", "pixels", "state")]
     check_writable(output, *tables, inputs=[Path(scene)])
     with reporting() as reports:
         if scene.lower().endswith(".json"):

@@ -30,6 +30,48 @@ DIFFERENCE_MEANINGS = (
 )
 
 
+C_WORDS = frozenset(
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "main",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+    ]
+)
+"""Names that an array of C cannot have."""
+
+
 class Stream(NamedTuple):
     """
     What a file of words holds.
@@ -114,6 +156,9 @@ def write_words(
     tables = {"layout": layout_table(formats), "packets": _csv(packets), "pixels": _csv(pixels)}
     if state is not None:
         tables["state"] = _csv({"address": state[:, 0], "data": state[:, 1]})
+    else:
+        # One that is there is of words that were written before.
+        table_path(path, "state").unlink(missing_ok=True)
     for name, text in tables.items():
         write_text(table_path(path, name), text)
     stream = Stream(_name(path), words, packets["first_word"], formats, size, state)
@@ -159,7 +204,8 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
 def _name(path: Path) -> str:
     """A file's name as an identifier of C and VHDL."""
     name = re.sub(r"[^a-z0-9]+", "_", path.stem.lower()).strip("_")
-    return name if re.match("[a-z]", name) else f"words_{name}".rstrip("_")
+    usable = re.match("[a-z]", name) and name not in C_WORDS
+    return name if usable else f"words_{name}".rstrip("_")
 
 
 def _hex(stream: Stream) -> bytes:
