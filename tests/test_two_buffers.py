@@ -106,9 +106,10 @@ def test_the_simulated_boards_monitor(buffers: int, tmp_path: Path) -> None:
     assert board.drawing.shown.any() == (buffers == 2)
     with pytest.raises(QuadshadeError, match="the engine ghdl shows no monitor; use --engine model"):
         start_engine("ghdl", settings, pictures.append)
-    missing = ["board", "--engine", "model", "--monitor", str(tmp_path / "none" / "a.png")]
-    result = CliRunner().invoke(main, missing)
-    assert result.exit_code == 2 and len(result.output.splitlines()) == 1
+    for name, said in (("none/a.png", "make it first"), ("a.jpg", "ends in .png")):
+        result = CliRunner().invoke(main, ["board", "--engine", "model", "--monitor", str(tmp_path / name)])
+        assert result.exit_code == 2 and len(result.output.splitlines()) == 1 and said in result.output
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_command_line_sets_a_simulated_boards_generics(tmp_path: Path) -> None:

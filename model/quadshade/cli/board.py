@@ -77,11 +77,16 @@ def board(
     from quadshade.board.readback import BoardReader
     from quadshade.board.settings import board_settings
     from quadshade.board.simulated import SimulatedBoard
+    from quadshade.files.atomic import check_writable
     from quadshade.image import write_png
+    from quadshade.rendering.picture import check_png
     from quadshade.scene.key_values import parse_size
 
     if pty is not None and tcp is not None:
         raise QuadshadeError("--pty and --tcp are given", "give one of them")
+    if monitor is not None:
+        check_png(monitor)
+        check_writable(monitor)
     address = None if tcp is None else tcp_address(tcp)
     size = None if screen is None else parse_size(screen)
     settings = board_settings(preset, size, parse_generics(generics), shade)
