@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import quadshade
 from quadshade.board import Board, BoardSettings
@@ -19,6 +20,7 @@ from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_picture import TiledPicture, paste
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.board.worker_boards import EngineScreen
+from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
@@ -31,6 +33,7 @@ from quadshade.shading.sample import sample
 from tests.support.golden_stimuli import triangles_of
 from tests.test_board_api import run
 from tests.test_setup_tile import ICEBREAKER
+from tests.test_words import EXAMPLE
 
 SIZE = (61, 47)
 SMALL = {"size": SIZE, "camera": "from=1,2,3"}
@@ -229,8 +232,12 @@ def test_tiles_of_another_picture_are_not_taken(tmp_path: Path) -> None:
     again.begin([b"one"], ("colour",))
     [(tile, planes)] = again.tiles()
     assert tile == (0, 0, 2, 1) and planes["colour"].tolist() == [[[1, 1, 1], [1, 1, 1]]]
-    next(tmp_path.glob("tiles/*/*.npz")).write_bytes(b"cut short")
-    assert again.tiles() == []
+    kept = next(tmp_path.glob("tiles/*/*.npz"))
+    whole = kept.read_bytes()
+    for broken in (b"cut short", b"", whole[: len(whole) // 2], whole.replace(b"\1" * 6, b"\2" * 6)):
+        assert broken != whole
+        kept.write_bytes(broken)
+        assert again.tiles() == []
     (tmp_path / "mine").mkdir()
     with pytest.raises(QuadshadeError, match="holds no tiles"):
         TileStore(tmp_path / "mine")
@@ -282,3 +289,10 @@ def test_a_picture_that_no_board_draws_is_refused() -> None:
     ):
         TiledScreen(BoardPool([opened], told.append), 40, 30, told.append, formats=Formats(frac_bits=20))
     assert "is lost: its words have 32 bits, 22 of them fraction" in told[0]
+
+
+@pytest.mark.parametrize("command", [("render", "cube:2"), ("raster", str(EXAMPLE))])
+def test_only_what_is_kept_is_resumed(tmp_path: Path, command: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(main, [*command, "--resume", "--engine", "model", "-o", f"{tmp_path}/a.png"])
+    assert result.exit_code == 2 and "--resume is for a board; give --port as well" in result.output
+    assert not list(tmp_path.iterdir())

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import hashlib
 import shutil
+import zipfile
+import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -55,7 +57,7 @@ class TileStore:
                     found.append(
                         (Rectangle(left, top, width, height), {name: planes[name] for name in planes})
                     )
-            except (OSError, ValueError, KeyError, EOFError):
+            except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
                 continue
         return found
 

@@ -97,15 +97,21 @@ resume_option = option(
 )
 
 
-def tiles_folder(output: Path, resume: bool) -> Path:
+def tiles_folder(output: Path, resume: bool, drawn_by: Any = "a board") -> Path | None:
     """
     Where tiles of a picture are kept until it is whole, beside it; without ``--resume`` old ones are removed.
+
+    Nothing is kept where ``drawn_by``, ports or workers, is None.
 
     Raises
     ------
     QuadshadeError
-      Something else is there.
+      Something else is there, or ``--resume`` where nothing is kept.
     """
+    if drawn_by is None:
+        if resume:
+            raise QuadshadeError("--resume is for a board", "give --port as well")
+        return None
     from quadshade.board.tile_store import TileStore
 
     folder = output.with_name(f".{output.name}.tiles")

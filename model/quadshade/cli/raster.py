@@ -63,8 +63,7 @@ def raster(
 
     check_writable(output, stats, options["waves"], inputs=[triangles_path])
     keywords = with_board(options)
-    if keywords["port"] is not None:
-        keywords["resume"] = tiles_folder(output, resume)
+    keywords["resume"] = tiles_folder(output, resume, keywords["port"])
     chosen = collect(SetupChoice, keywords), collect(EngineChoice, keywords), collect(PortChoice, keywords)
     if keywords["port"] is not None:
         _on_board(triangles_path, output, stats, parse_generics(generics), *chosen)

@@ -92,8 +92,8 @@ def render(scene: str, output: Path, stats: Path | None, resume: bool, **options
     check_png(output)
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
-    if keywords["port"] is not None or keywords["dask"] is not None:
-        keywords["resume"] = tiles_folder(output, resume)
+    drawn_by = keywords["port"] if keywords["dask"] is None else keywords["dask"]
+    keywords["resume"] = tiles_folder(output, resume, drawn_by)
     with reporting() as reports:
         picture = render_scene(scene, **keywords, reports=reports)
     if picture.stats.line is not None:
