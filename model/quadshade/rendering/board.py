@@ -131,7 +131,10 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
         deadline: dict[str, float] = {}
         if settings.adapt.frame_time is not None:
             if isinstance(board, TiledScreen):
-                raise QuadshadeError("a frame time for a picture in tiles", "leave it out, or give one board")
+                raise QuadshadeError(
+                    "a frame time for a picture in tiles",
+                    "leave it out, or give one board, and no size beyond its screen",
+                )
             if board.identity["fifo_words"] < 512:
                 # The host waits for credits between frames.
                 reports.notice("the line may pause, and a frame be late: the board's FIFO is small")
@@ -170,7 +173,7 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
     note = adapt_note(shaded) + ("" if timing is None else timing.note())
     summary = (
         f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
-        + (f", in {board.tiles} tiles" if isinstance(board, TiledScreen) else "")
+        + (f", in {board.tiles} tile{'s' * (board.tiles != 1)}" if isinstance(board, TiledScreen) else "")
         + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + (f", {board.colour_bits} bits a colour, dithered" if board.colour_bits < 8 else "")

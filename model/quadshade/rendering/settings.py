@@ -199,7 +199,7 @@ class RenderSettings:
         shading = self.scene.interpolation
         if shading not in ADAPTIVE_SHADINGS:
             raise QuadshadeError(
-                f"the shading is {shading}, and --max-error or --budget chooses it for each triangle",
+                f"the shading is {shading}, but an error, a budget or a frame time chooses it",
                 f"leave --shading out, or give {' or '.join(ADAPTIVE_SHADINGS)}",
             )
         if self.scene.toon is not None:
