@@ -204,3 +204,9 @@ def test_no_table_of_words_before_stays(tmp_path: Path) -> None:
     code, said = run(*SPHERE, "-o", tmp_path / "b.hex", "--shading", "quadratic-specular")
     assert code == 2 and "b.state.csv" in said
     assert {path.name for path in tmp_path.glob("b.*")} == {"b.state.csv"}
+
+
+def test_the_help_speaks_of_no_board() -> None:
+    code, said = run("--help")
+    assert code == 0 and "stream_width=128" in said
+    assert "--port" not in said and "of the board" not in " ".join(said.split())

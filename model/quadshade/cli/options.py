@@ -106,15 +106,17 @@ def output_option(help_text: str, required: bool = True) -> Decorator:
     return option("Output", "-o", "--output", required=required, type=PATH, help=help_text)
 
 
-generic_option = option(
-    "Accuracy",
-    "--generic",
-    "generics",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Set a generic of the core for this run, with --port sim also of the board, under its VHDL name"
-    " (repeatable), e.g. stream_width=128.",
-)
+def generic_option(board: bool = True) -> Decorator:
+    """``--generic`` of commands that draw with a core, and with ``board`` also on a simulated board."""
+    return option(
+        "Accuracy",
+        "--generic",
+        "generics",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help=f"Set a generic of the core for this run{', with --port sim also of the board' * board}, "
+        "under its VHDL name (repeatable), e.g. stream_width=128.",
+    )
 
 
 def engine_option(

@@ -10,10 +10,9 @@ import click
 
 from quadshade.choices import BOARD_SHADINGS, PACK_ERROR
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import GENERICS_EPILOG, TitledCommand, add_options, output_option
+from quadshade.cli.options import GENERICS_EPILOG, TitledCommand, add_options, generic_option, output_option
 from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
-    GENERIC_OPTIONS,
     PACK_OPTIONS,
     scene_options,
     setup_options,
@@ -32,7 +31,7 @@ from quadshade.cli.terminal import reporting
     ERROR_OPTIONS,
     verify_option(),
     setup_options(),
-    GENERIC_OPTIONS,
+    [generic_option(board=False)],
     PACK_OPTIONS,
     [output_option("Where the packed picture goes: frame.qs.")],
 )

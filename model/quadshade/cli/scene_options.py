@@ -76,7 +76,7 @@ CLOCK_OPTIONS: list[Decorator] = [
     )
 ]
 
-GENERIC_OPTIONS: list[Decorator] = [generic_option]
+GENERIC_OPTIONS: list[Decorator] = [generic_option()]
 
 PACK_OPTIONS: list[Decorator] = [
     option(

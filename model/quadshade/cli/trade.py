@@ -98,7 +98,7 @@ def _fractions(text: str) -> tuple[int, ...]:
 )
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", help="Measure on a Dask cluster, e.g. tcp://host:8786.")
-@generic_option
+@generic_option(board=False)
 def trade(
     scene: str,
     output: Path,

@@ -10,10 +10,16 @@ import click
 
 from quadshade.choices import BOARD_SHADINGS
 from quadshade.cli.interrupts import leave_at_once
-from quadshade.cli.options import GENERICS_EPILOG, TitledCommand, add_options, is_given, output_option
+from quadshade.cli.options import (
+    GENERICS_EPILOG,
+    TitledCommand,
+    add_options,
+    generic_option,
+    is_given,
+    output_option,
+)
 from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
-    GENERIC_OPTIONS,
     scene_options,
     setup_options,
     shading_options,
@@ -34,8 +40,7 @@ FOR_FILES = ("scene", "output", "generics", "setup", "rounding", "stepping", "st
     ERROR_OPTIONS,
     verify_option(),
     setup_options(),
-    GENERIC_OPTIONS,
-    [output_option("Where the words go: words.hex, .mem, .bin, .c or .vhd.")],
+    [generic_option(board=False), output_option("Where the words go: words.hex, .mem, .bin, .c or .vhd.")],
 )
 def words(scene: str, output: Path, generics: tuple[str, ...], **options: Any) -> None:
     """
