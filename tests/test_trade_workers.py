@@ -95,7 +95,7 @@ def test_dask_gives_the_same(tmp_path: Path, cluster: str) -> None:
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:{port}", "nonsense://host:1"])
 def test_no_scheduler_is_one_line(tmp_path: Path, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quadshade.trade.workers.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("quadshade.cluster.CONNECT_SECONDS", 0.5)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = address.format(port=free.getsockname()[1])
@@ -106,7 +106,7 @@ def test_no_scheduler_is_one_line(tmp_path: Path, address: str, monkeypatch: pyt
 
 
 def test_another_server_is_no_scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quadshade.trade.workers.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("quadshade.cluster.CONNECT_SECONDS", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer() -> None:

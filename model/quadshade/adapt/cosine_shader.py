@@ -40,7 +40,7 @@ FARTHEST = 6
 """Times what is wanted: combinations that are off by more when fitted apart are not fitted together."""
 STEPS = 16
 """Of fitting together."""
-ROUGH = 0.05
+ROUGH = 0.02
 """Output units that a power table's entries may cost where channels do not reach its finest ones."""
 FEWEST_OCTAVES, MOST_OCTAVES = 3, 8
 """Of a table. With fewer, places far from 1 would be coarser too; with more, channels reach up to 1."""
