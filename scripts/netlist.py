@@ -20,7 +20,7 @@ PATH = click.Path(dir_okay=False, path_type=Path)
 @click.command(help=__doc__)
 @click.option("--top", default=TOP, show_default=True, help="Entity.")
 @click.option("--file", "files", type=PATH, multiple=True, help="VHDL file to add to the RTL (repeatable).")
-@generic_option
+@generic_option(board=False)
 @click.option("-o", "--output", type=PATH, help="Copy the netlist to this file and print its name instead.")
 @one_line_errors("netlist")
 def main(top: str, files: tuple[Path, ...], generics: tuple[str, ...], output: Path | None) -> None:

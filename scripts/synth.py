@@ -41,7 +41,7 @@ def main() -> None:
 @click.option("--device", help="For example ecp5-25k-6.")
 @click.option("--board", help="For example ulx3s-85f: the device in synth/boards.")
 @seeds_option
-@generic_option
+@generic_option(board=False)
 @one_line_errors("synth")
 def run(device: str | None, board: str | None, seeds: int, generics: tuple[str, ...]) -> None:
     """Synthesise the core for one device or board; fails if the table has a higher clock for it."""
