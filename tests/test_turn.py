@@ -20,7 +20,7 @@ from PIL import Image, ImageSequence
 from scipy.spatial.transform import Rotation
 
 import quadshade
-from quadshade.animation import Motion
+from quadshade.animation import Motion, animate
 from quadshade.animation.film import durations
 from quadshade.cli.main import main
 from quadshade.errors import QuadshadeError
@@ -253,3 +253,27 @@ def test_key_frames_are_checked(tmp_path: Path, text: str, said: str) -> None:
 def test_an_option_and_key_frames_do_not_both_turn() -> None:
     with pytest.raises(QuadshadeError, match="key frames set turn"):
         Motion(degrees=90, keyframes=[{"frame": 0, "turn": 0}])
+
+
+def test_an_interrupt_amid_a_compiled_loop_leaves_the_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Numba makes a SystemError of it; one of its own is raised as it is, and nothing is written."""
+    drawn = animate.draw_frame
+
+    def broken(frame: int, *rest: object) -> object:
+        if frame < 2:
+            return drawn(frame, *rest)
+        raise SystemError("returned a result with an exception set") from cause
+
+    monkeypatch.setattr(animate, "draw_frame", broken)
+    film = quadshade.turn("sphere:168", frames=4, errors=False, **SMALL)
+    cause: BaseException | None = None
+    with pytest.raises(SystemError):
+        film.save(tmp_path / "a.gif")
+    assert not (tmp_path / "a.gif").exists()
+    cause = SystemError("within")
+    cause.__cause__ = KeyboardInterrupt()
+    with pytest.raises(KeyboardInterrupt):
+        film.save(tmp_path / "a.gif")
+    assert len(frames_of(tmp_path / "a.gif")) == 2

@@ -4,6 +4,13 @@
 from __future__ import annotations
 
 
+def is_interrupt(error: BaseException | None) -> bool:
+    """Whether an exception is Ctrl-C's: amid a call of a compiled loop Numba makes a SystemError of it."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
+
+
 class QuadshadeError(Exception):
     """
     Bad input or a missing tool; the command line prints it as one line and exits with code 2.

@@ -18,7 +18,7 @@ from quadshade.animation.record import FrameRow, write_plot, write_table
 from quadshade.animation.store import FrameStore, animation_key
 from quadshade.board.worker_boards import Place, board_here, forget_board
 from quadshade.choices import PHONG, STYLES
-from quadshade.errors import QuadshadeError
+from quadshade.errors import QuadshadeError, is_interrupt
 from quadshade.files.atomic import check_writable
 from quadshade.image import largest_and_rms
 from quadshade.rendering.draw import render_picture
@@ -167,9 +167,11 @@ class Animation:
         store = FrameStore(outputs.frames, key)
         try:
             self._fill(store)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemError) as error:
+            if not is_interrupt(error):
+                raise
             self._write(store, outputs)
-            raise
+            raise KeyboardInterrupt from error
         except QuadshadeError:
             if len(store.missing(len(self))) == len(self):
                 store.remove()
