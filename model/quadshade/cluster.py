@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -57,11 +59,15 @@ def connect(address: str) -> Any:
         from distributed import Client
     except ImportError:
         raise QuadshadeError("Dask is not installed", "run `pip install quadshade[dask]`") from None
-    try:
+    client = None
+    # The first bytes of what is no scheduler are taken for a length, which no memory holds.
+    with suppress(OSError, ValueError, TypeError, TimeoutError, MemoryError):
         client = Client(address, timeout=CONNECT_SECONDS)
-    except (OSError, ValueError, TypeError, TimeoutError, MemoryError):
-        # The first bytes of what is no scheduler are taken for a length.
-        raise QuadshadeError(f"no Dask scheduler answers at {address}", HINT) from None
+    if client is None:
+        # A client that has failed closes itself when it is collected: here, since amid the start of the next
+        # one it would wait for that one's thread, for ever.
+        gc.collect()
+        raise QuadshadeError(f"no Dask scheduler answers at {address}", HINT)
     try:
         if not workers_of(client):
             raise QuadshadeError(f"the Dask scheduler at {address} has no workers", HINT)
