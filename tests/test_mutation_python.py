@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from scripts.mutation.python import report
+from scripts.mutation.python.__main__ import known_results
 from scripts.mutation.python.mutants import Mutant, changed_lines, mutants_of, mutated, sample
 from scripts.mutation.report import REPORT
 
@@ -160,7 +161,9 @@ def test_killed_mutants_stay_killed() -> None:
 
 def row(state: str, old: str = "a", group: str = "link") -> dict[str, str]:
     return {
-        "key": f"{group}/x.py:AddNot:0",
+        "name": "0123456789ab",
+        "path": f"{group}/x.py",
+        "operator": "AddNot",
         "group": group,
         "where": "f",
         "old": old,
@@ -187,6 +190,18 @@ def test_the_score_counts_what_can_be_noticed() -> None:
     # A reason does not hide that a test notices the mutant after all.
     noticed = report.numbers([row("killed", "same")], argued, 1, 1)
     assert noticed["overall"]["equivalent"] == 0
+
+
+def test_a_run_goes_on_from_what_was_published(tmp_path: Path) -> None:
+    """What a reader found equivalent is a survivor to the next run; what was found since counts."""
+    entry = row("equivalent") | {"tests": "0123"}
+    numbers, lines = tmp_path / "numbers.json", tmp_path / "python.jsonl"
+    numbers.write_text(json.dumps({"mutants": [entry, entry | {"name": "other", "state": "killed"}]}))
+    states = {name: result.state for name, result in known_results(lines, numbers).items()}
+    assert states == {entry["name"]: "survived", "other": "killed"}
+    lines.write_text(json.dumps(entry | {"state": "killed", "test": "t"}) + "\n")
+    found = known_results(lines, numbers)[entry["name"]]
+    assert (found.state, found.test, found.tests) == ("killed", "t", "0123")
 
 
 def test_what_is_argued_is_still_there() -> None:

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_text
@@ -74,3 +76,16 @@ def with_section(report: str, name: str, text: str) -> str:
 def write_section(name: str, text: str, report: Path = REPORT) -> None:
     """Replace one section of docs/reports/mutation.md; raises :class:`QuadshadeError` where it has none."""
     write_text(report, with_section(report.read_text(), name, text))
+
+
+def write_numbers(path: Path, content: dict[str, Any]) -> None:
+    """Write a report's numbers as JSON in which each entry of a list or of a table has a line of its own."""
+    parts = []
+    for name, value in content.items():
+        text = json.dumps(value)
+        if isinstance(value, list):
+            text = "[\n" + ",\n".join(map(json.dumps, value)) + "\n]"
+        elif isinstance(value, dict):
+            text = "{\n" + ",\n".join(f"{json.dumps(key)}: {json.dumps(value[key])}" for key in value) + "\n}"
+        parts.append(f"{json.dumps(name)}: {text}")
+    write_text(path, "{" + ",\n".join(parts) + "}\n")

@@ -3,8 +3,9 @@
 How many mutants of the host library its tests notice: ``python -m scripts.mutation.python``.
 
 Each package is a session of pytest of its own. What is known of a mutant is kept in
-``build/mutation/python.jsonl``, so a run that was ended goes on; a result is used again while the function,
-and for a survivor the tests, are the same.
+``build/mutation/python.jsonl``, and with the report in ``docs/reports/mutation_python.json``, so a run that was
+ended goes on, also on another machine; a result is used again while the function, and for a survivor the
+tests, are the same.
 """
 
 from __future__ import annotations
@@ -14,13 +15,14 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 
 import click
 
 from scripts.mutation.python.kept import PACKAGE, run_kept
 from scripts.mutation.python.mutants import Mutant, changed_lines, digest, mutants_of, mutated, sample
-from scripts.mutation.python.report import PLACE, ROOT, argued, write
+from scripts.mutation.python.report import NUMBERS, PLACE, ROOT, argued, write
 
 BUILD = ROOT / "build" / "mutation"
 KNOWN = BUILD / "python.jsonl"
@@ -123,26 +125,30 @@ GROUPS = {
 
 @dataclass(frozen=True)
 class Result:
-    """What is known of a mutant: of which function, by which tests, its lines, and how its tests ended."""
+    """What is known of a mutant: where it is, by which tests, its lines, and how its tests ended."""
 
-    key: str
+    name: str
+    path: str
+    operator: str
+    group: str
     where: str
-    line: int
-    source: str
     tests: str
     old: str
     new: str
     state: str
     test: str
-    seconds: float
 
 
-def known_results() -> dict[tuple[str, str], Result]:
-    """The latest result of each mutant, by its key and the digest of its function."""
-    if not KNOWN.exists():
-        return {}
-    results = [Result(**json.loads(line)) for line in KNOWN.read_text().splitlines()]
-    return {(result.key, result.source): result for result in results}
+def known_results(path: Path = KNOWN, numbers: Path = NUMBERS) -> dict[str, Result]:
+    """The latest result of each mutant, by its name: what was published, and what was found here since."""
+    names = [field.name for field in fields(Result)]
+    entries = [
+        # That a reader found it equivalent is found out anew.
+        entry | {"state": "survived" if entry["state"] == "equivalent" else entry["state"]}
+        for entry in json.loads(numbers.read_text())["mutants"]
+    ]
+    entries += [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    return {entry["name"]: Result(**{name: entry[name] for name in names}) for entry in entries}
 
 
 def drawn(count: int, seed: int) -> list[Mutant]:
@@ -171,14 +177,16 @@ def run_group(name: str, mutants: list[Mutant], said: Callable[[str], None]) -> 
             old, new = changed_lines(source, mutated(mutant, source))
             outcome = session.run(mutant)
             result = Result(
-                mutant.key,
+                mutant.name,
+                mutant.path,
+                mutant.operator,
+                name,
                 mutant.where,
-                mutant.line,
-                mutant.around,
                 tests,
                 old,
                 new,
-                **asdict(outcome),
+                outcome.state,
+                outcome.test,
             )
             with KNOWN.open("a") as file:
                 file.write(json.dumps(asdict(result)) + "\n")
@@ -206,7 +214,7 @@ def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
     tests, reasons = GROUPS[name].digest, {tuple(entry[part] for part in PLACE) for entry in argued()}
     left = []
     for mutant in mutants:
-        result = known.get((mutant.key, mutant.around))
+        result = known.get(mutant.name)
         is_known = result is not None and (
             result.state != "survived"
             or result.tests == tests
@@ -256,12 +264,7 @@ def main(
             if process.exitcode:
                 raise SystemExit(1)
     found = known_results()
-    results = [found.get((mutant.key, mutant.around)) for mutant in mutants]
-    rows = [
-        asdict(result) | {"group": group_of(result.key.split(":")[0])}
-        for result in results
-        if result is not None
-    ]
+    rows = [asdict(found[mutant.name]) for mutant in mutants if mutant.name in found]
     survivors = write(rows, argued(), count=count, seed=seed, report=not check and not only)
     if check and survivors:
         raise SystemExit(f"mutation: {survivors} survived")

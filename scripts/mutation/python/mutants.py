@@ -148,6 +148,11 @@ class Mutant:
         """What tells it apart from all others, whatever becomes of the rest of the file."""
         return f"{self.path}:{self.operator}:{self.nth}:{self.place}"
 
+    @property
+    def name(self) -> str:
+        """Digest of the key and of the function as it is: another function, another mutant."""
+        return digest(self.key.encode(), self.around.encode())
+
 
 def _places(tree: ast.Module) -> tuple[dict[int, str], list[tuple[tuple[int, int], tuple[int, int]]]]:
     """Per line the function that it is in, and from where to where nothing is mutated."""

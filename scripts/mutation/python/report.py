@@ -12,9 +12,8 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
-from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
-from scripts.mutation.report import score, write_section
+from scripts.mutation.report import score, write_numbers, write_section
 
 ROOT = Path(__file__).resolve().parents[3]
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
@@ -50,7 +49,7 @@ def numbers(
     Parameters
     ----------
     rows : sequence of dict
-      A mutant each.
+      A mutant each, as the runner's ``Result`` names what is known of it.
     reviewed : sequence of dict
       Those that a reader found equivalent, with a reason.
     count, seed : int
@@ -64,9 +63,7 @@ def numbers(
     reasons = {tuple(entry[name] for name in PLACE): entry["reason"] for entry in reviewed}
     mutants = []
     for row in rows:
-        mutant = {"path": row["key"].split(":")[0], "operator": row["key"].split(":")[1]} | {
-            name: row[name] for name in ("group", "where", "old", "new", "state", "test")
-        }
+        mutant = dict(row)
         reason = reasons.get(tuple(mutant[name] for name in PLACE))
         if reason and mutant["state"] == "survived":
             mutant["state"] = "equivalent"
@@ -153,10 +150,7 @@ def write(
     """Say the score, write numbers and report if asked; how many mutants survive without a reason."""
     content = numbers(rows, reviewed, count, seed)
     if report:
-        # A mutant a line, so that a change of one is a change of a line.
-        head = json.dumps({name: content[name] for name in ("conditions", "overall", "packages")})[:-1]
-        mutants = ",\n".join(json.dumps(mutant) for mutant in content["mutants"])
-        write_text(NUMBERS, f'{head},\n"mutants": [\n{mutants}\n]}}\n')
+        write_numbers(NUMBERS, content)
         write_section("python", section(content))
     for name, counts in {**content["packages"], "all": content["overall"]}.items():
         print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in counts.items()))

@@ -2,9 +2,9 @@
 """
 Change the RTL in small ways, see which benches notice, and write docs/reports/mutation.md.
 
-What was done stays in build/mutation: a run that was stopped goes on. After a change of a bench its survivors
-are run again; what it killed as it was before stands beside the digest of that bench, and is run again with
---all.
+What was done stays in build/mutation, and with the report in docs/reports/mutation_rtl.json: a run that was
+stopped goes on, also on another machine. After a change of a bench its survivors are run again; what it
+killed as it was before stands beside the digest of that bench, and is run again with --all.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def main(
     there = {mutant.name for unit in rtl_paths() for mutant in sampled(unit, seed)}
     found = [
         result
-        for result in store.load().values()
+        for result in store.known().values()
         if result.seed == seed
         and (result.name in there or result.source == "netlist")
         and result.verdict != store.OUTDATED

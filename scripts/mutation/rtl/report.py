@@ -3,26 +3,25 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from textwrap import fill
 
 from quadshade.engine.tool_runner import package_version, tool_command, tool_version
-from quadshade.files.atomic import write_json
 from quadshade.files.markdown import markdown_table
-from scripts.mutation.report import REPORT, score, write_section
+from scripts.mutation.report import score, write_numbers, write_section
 from scripts.mutation.rtl.benches import cases_of, rtl_paths
 from scripts.mutation.rtl.clean import usual_seconds
-from scripts.mutation.rtl.results import Result
+from scripts.mutation.rtl.results import NUMBERS, Result, publishable
 from scripts.mutation.rtl.run_text import digest_of, own_units
 
 REVIEWED = [Path(__file__).with_name(f"reviewed{kind}.toml") for kind in ("", "_netlist")]
-NUMBERS = REPORT.with_name("mutation_rtl.json")
 HEADER = (
     "unit", "text", "netlist", "killed by its bench", "by one above", "equivalent, proved", "argued", "alive",
-    "score, 95 % interval",
+    "score, 95 % interval", "since",
 )  # fmt: skip
 SHOWN = 110
 
@@ -46,7 +45,7 @@ def reviews() -> dict[str, Review]:
 
 @dataclass(frozen=True)
 class Tally:
-    """Numbers of mutants; ``alive`` are those that survived and are not reviewed."""
+    """Numbers of mutants; ``alive`` survived and are not reviewed; ``since`` is the oldest result's date."""
 
     text: int
     netlist: int
@@ -55,15 +54,63 @@ class Tally:
     proved: int
     argued: int
     alive: int
+    since: str = ""
 
     def row(self, name: str) -> list[object]:
         """A row of the report's table."""
         numbers = [self.text, self.netlist, self.own, self.above, self.proved, self.argued, self.alive]
-        return [name, *numbers, score(self.own + self.above, self.alive)]
+        return [name, *numbers, score(self.own + self.above, self.alive), self.since]
+
+    @property
+    def sampled(self) -> tuple[int, int]:
+        """Mutants of text and of netlist."""
+        return self.text, self.netlist
 
 
-def tally(results: Iterable[Result], argued: dict[str, Review]) -> Tally:
-    """Count what became of mutants; the stillborn ones are left out."""
+@dataclass(frozen=True)
+class Earlier:
+    """
+    A unit's sample of which no more is kept than its numbers, and each mutant that was not killed.
+
+    A mutant fewer that is known by its name was killed then, by the unit's own bench. A later run finds the
+    names again, until it knows as many.
+    """
+
+    text: int
+    netlist: int
+    since: str
+
+    def lost(self, found: Tally) -> tuple[int, int]:
+        """Kills of text and of netlist that have no name."""
+        return max(0, self.text - found.text), max(0, self.netlist - found.netlist)
+
+
+def tallies(
+    results: Collection[Result], argued: dict[str, Review], earlier: Mapping[str, Earlier]
+) -> dict[str, Tally]:
+    """The numbers of every unit of which any are known, and of all of them together, as ``all``."""
+    found = {}
+    for unit in rtl_paths():
+        numbers = tally([result for result in results if result.unit == unit], argued)
+        lost = earlier[unit].lost(numbers) if unit in earlier else (0, 0)
+        if any(lost):
+            numbers = replace(
+                numbers,
+                text=numbers.text + lost[0],
+                netlist=numbers.netlist + lost[1],
+                own=numbers.own + sum(lost),
+                since=min(earlier[unit].since, numbers.since or earlier[unit].since),
+            )
+        if any(numbers.sampled):
+            found[unit] = numbers
+    parts = [asdict(numbers) for numbers in found.values()]
+    sums = {name: sum(part[name] for part in parts) for name in asdict(tally([], {})) if name != "since"}
+    since = min((part["since"] for part in parts), default="")
+    return found | {"all": Tally(**sums, since=since)}
+
+
+def tally(results: Collection[Result], argued: dict[str, Review]) -> Tally:
+    """Count what became of mutants that have a name; the stillborn ones are left out."""
     found = [result for result in results if result.verdict != "stillborn"]
     killed = [result.stage for result in found if result.verdict == "killed"]
     survivors = [result for result in found if result.verdict == "survived"]
@@ -76,6 +123,7 @@ def tally(results: Iterable[Result], argued: dict[str, Review]) -> Tally:
         sum(result.verdict == "equivalent" for result in found),
         reviewed,
         len(survivors) - reviewed,
+        min((result.date for result in found), default=""),
     )
 
 
@@ -95,12 +143,12 @@ def _listed(results: Sequence[Result], argued: dict[str, Review]) -> str:
     return markdown_table(["unit", "line", "change", *reason], rows)
 
 
-def missing(results: Sequence[Result], asked: Mapping[str, tuple[int, int]]) -> str:
+def missing(found: Mapping[str, Tally], asked: Mapping[str, tuple[int, int]]) -> str:
     """A sentence on what a sample that is not complete lacks; empty if it lacks nothing."""
     lacking = {}
     for unit, numbers in asked.items():
-        found = tally([result for result in results if result.unit == unit], {})
-        lacks = max(0, numbers[0] - found.text) + max(0, numbers[1] - found.netlist)
+        there = found[unit].sampled if unit in found else (0, 0)
+        lacks = sum(max(0, want - number) for want, number in zip(numbers, there, strict=True))
         if lacks:
             lacking[unit] = lacks
     if not lacking:
@@ -109,6 +157,20 @@ def missing(results: Sequence[Result], asked: Mapping[str, tuple[int, int]]) -> 
     units = ", ".join(f"{unit} {lacks}" for unit, lacks in lacking.items())
     return (
         f"The sample is not complete: of {whole} mutants {sum(lacking.values())} were not run yet ({units})."
+    )
+
+
+def unnamed(results: Collection[Result], earlier: Mapping[str, Earlier]) -> str:
+    """A sentence on kills of which only the number is kept; empty if there are none."""
+    lost = {}
+    for unit, numbers in earlier.items():
+        lost[unit] = sum(numbers.lost(tally([result for result in results if result.unit == unit], {})))
+    number, units = sum(lost.values()), ", ".join(unit for unit in lost if lost[unit])
+    if not number:
+        return ""
+    return (
+        f"Of {number} of those killed only the number is kept, and their benches may have changed since: a run "
+        f"of their units names them ({units})."
     )
 
 
@@ -123,7 +185,11 @@ def changed(results: Sequence[Result]) -> str:
 
 
 def section(
-    results: Sequence[Result], seed: int, candidates: int, asked: Mapping[str, tuple[int, int]]
+    results: Sequence[Result],
+    seed: int,
+    candidates: int,
+    asked: Mapping[str, tuple[int, int]],
+    earlier: Mapping[str, Earlier],
 ) -> str:
     """
     The report's text.
@@ -137,13 +203,13 @@ def section(
       Places and changes of text that the sample was drawn from.
     asked : mapping
       Mutants of text and of netlist that the sample has of each unit, if it has as many.
+    earlier : mapping
+      Samples of units of which not every mutant's name is kept.
     """
     argued = reviews()
-    whole = tally(results, argued)
-    units = [unit for unit in rtl_paths() if any(result.unit == unit for result in results)]
-    rows = [tally([r for r in results if r.unit == unit], argued).row(unit) for unit in units]
+    found = tallies(results, argued, earlier)
+    whole = found["all"]
     survivors = [result for result in results if result.verdict == "survived"]
-    stillborn = sum(result.verdict == "stillborn" for result in results)
     tools = ", ".join(
         [
             tool_version(tuple(tool_command("GHDL"))).splitlines()[0],
@@ -152,17 +218,17 @@ def section(
     )
     conditions = fill(
         f"Written by `make mutation`, with seed {seed}: of {candidates} changes of the VHDL's text and of "
-        f"what Yosys' `mutate` finds in the netlists. {stillborn} more were no hardware and are not counted. "
+        f"what Yosys' `mutate` finds in the netlists. What is no hardware is not counted. "
         "A netlist is of one configuration of its bench. A bench runs with its own seed, 1, and ends at its "
         "first fault; a mutant is killed too where one "
-        f"takes over four times the clean run's simulated time. {tools}. {changed(results)} "
-        f"{missing(results, asked)}",
+        f"takes over four times the clean run's simulated time. {tools}. "
+        + " ".join(filter(None, [changed(results), unnamed(results, earlier), missing(found, asked)])),
         130,
     )
     parts = [
         f"**{score(whole.own + whole.above, whole.alive)}** of those that are not equivalent are killed.",
         conditions,
-        markdown_table(HEADER, [*rows, whole.row("all")], right=HEADER[1:]),
+        markdown_table(HEADER, [numbers.row(name) for name, numbers in found.items()], right=HEADER[1:]),
     ]
     alive = [result for result in survivors if result.name not in argued]
     if alive:
@@ -192,26 +258,26 @@ def write(
     results: Sequence[Result], seed: int, candidates: int, asked: Mapping[str, tuple[int, int]]
 ) -> None:
     """Write the section, and the numbers with a killed mutant of each unit for the tests to kill again."""
-    argued = reviews()
-    again = []
+    before = json.loads(NUMBERS.read_text())
+    earlier = {unit: Earlier(**numbers) for unit, numbers in before["earlier"].items()}
+    again = {entry["unit"]: entry for entry in before["kill_again"]}
     for unit in rtl_paths():
         cases = {case.name: case for own in own_units(unit) for case in cases_of(own)}
         killed = [result for result in results if result.unit == unit and result.by in cases]
         killed = [one for one in killed if (one.source, one.verdict, one.stage) == ("text", "killed", "own")]
-        if killed:
+        if killed and again.get(unit, {}).get("name") not in {one.name for one in killed}:
             quickest = min(killed, key=lambda result: usual_seconds(cases[result.by]))
-            again.append({"unit": unit, "name": quickest.name, "case": quickest.by})
-    kept = [asdict(result) for result in results if result.verdict in ("survived", "equivalent")]
+            again[unit] = {"unit": unit, "name": quickest.name, "case": quickest.by}
+    found = tallies(results, reviews(), earlier)
+    lost = {unit for unit, numbers in earlier.items() if unnamed(results, {unit: numbers})}
     content = {
         "seed": seed,
         "candidates": candidates,
-        "all": asdict(tally(results, argued)),
-        "units": {
-            unit: asdict(tally([r for r in results if r.unit == unit], argued))
-            for unit in sorted(rtl_paths())
-        },
-        "kill_again": again,
-        "not_killed": sorted(kept, key=lambda one: (one["unit"], one["line"], one["name"])),
+        "all": asdict(found["all"]),
+        "units": {unit: asdict(numbers) for unit, numbers in found.items() if unit != "all"},
+        "earlier": {unit: asdict(earlier[unit]) for unit in sorted(lost)},
+        "kill_again": sorted(again.values(), key=lambda entry: entry["unit"]),
+        **publishable(results),
     }
-    write_section("rtl", section(results, seed, candidates, asked))
-    write_json(NUMBERS, content)
+    write_section("rtl", section(results, seed, candidates, asked, earlier))
+    write_numbers(NUMBERS, content)

@@ -79,7 +79,7 @@ class Settling:
     ) -> None:
         self.unit, self.counts, self.seed, self.steps = unit, counts, seed, steps
         self.again, self.report = again, report
-        self.known, self.argued = store.load(), reviews()
+        self.known, self.argued = store.known(), reviews()
         self.own_benches = digest_of(own_units(unit))
         self.above_benches = f"{self.own_benches}+{digest_of(above(unit))}"
 
