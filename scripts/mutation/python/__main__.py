@@ -3,9 +3,9 @@
 How many mutants of the host library its tests notice: ``python -m scripts.mutation.python``.
 
 Each package is a session of pytest of its own. What is known of a mutant is kept in
-``build/mutation/python.jsonl``, and with the report in ``docs/reports/mutation_python.json``, so a run that was
-ended goes on, also on another machine; a result is used again while the function, and for a survivor the
-tests, are the same.
+``build/mutation/python.jsonl``, and with the report in ``docs/reports/mutation_python.json``, so a run that
+was ended goes on, also on another machine; a result is used again while the function, and for a survivor
+the tests, are the same.
 """
 
 from __future__ import annotations

@@ -169,8 +169,8 @@ def unnamed(results: Collection[Result], earlier: Mapping[str, Earlier]) -> str:
     if not number:
         return ""
     return (
-        f"Of {number} of those killed only the number is kept, and their benches may have changed since: a run "
-        f"of their units names them ({units})."
+        f"Of {number} of those killed only the number is kept, and their benches may have changed since: "
+        f"a run of their units names them ({units})."
     )
 
 
