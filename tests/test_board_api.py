@@ -79,7 +79,7 @@ def test_edges_are_read_from_the_netlist(tmp_path: Path) -> None:
     pictures = []
     for where in (("--port", "sim", "--engine", "verilator", "--pack-error", "0"), ("--engine", "model")):
         path = tmp_path / f"{len(pictures)}.png"
-        base = ("render", "cube:2", "-o", path, "--size", "48x32", "--camera", "from=1,0.8,1")
+        base = ("render", "cube:2", "-o", path, "--size", "160x120", "--camera", "from=1,0.8,1")
         code, output = run(*base, "--edges", "profile,inner", *where)
         assert code == 0, output
         assert "notice" not in output

@@ -87,7 +87,7 @@ def test_a_board_says_so_before_it_runs(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_simulated_screen_is_one_that_a_board_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quadshade.rendering.open_board.REAL_SCREEN", (8, 6))
+    monkeypatch.setattr("quadshade.rendering.simulated.REAL_SCREEN", (8, 6))
     command = ["render", "sphere:2x3", "-o", str(tmp_path / "a.png"), "--port", "sim", "--engine", "model"]
     result = CliRunner().invoke(main, [*command, "--size", "16x12"])
     assert result.exit_code == 0, result.output

@@ -92,6 +92,9 @@ UNITS = ("bytes", "clocks", "line")
 COSTS = ("bytes", "clocks", "lut4", "line")
 """What a sweep's points pay for their error."""
 
+SIM = "sim"
+"""A port at which a simulated board is started."""
+
 MOST_SIMULATED = 64
 """Simulated boards at a time."""
 
@@ -196,6 +199,12 @@ def parse_pack_error(value: Any) -> float:
     return levels
 
 
+def simulated_board(port: Any) -> str | None:
+    """The board of ``synth/boards`` that ``sim:BOARD`` names, empty of ``sim``; None of another port."""
+    name, _, board = port.partition(":") if isinstance(port, str) else ("", "", "")
+    return board if name == SIM else None
+
+
 def parse_ports(value: Any) -> tuple[Any, ...]:
     """
     Each of the ports that are given.
@@ -203,7 +212,7 @@ def parse_ports(value: Any) -> tuple[Any, ...]:
     Parameters
     ----------
     value : str, serial object, Board, sequence of them, or None
-      ``sim:4`` stands for four simulated boards.
+      ``sim:4`` stands for four simulated boards; ``sim:BOARD``, with a name, is one and stays as it is.
 
     Raises
     ------
@@ -213,16 +222,17 @@ def parse_ports(value: Any) -> tuple[Any, ...]:
     given = value if isinstance(value, list | tuple) else () if value is None else (value,)
     ports: list[Any] = []
     for one in given:
-        name, colon, count = one.partition(":") if isinstance(one, str) else ("", "", "")
-        if name != "sim" or not colon:
+        count = simulated_board(one)
+        if count is None or one == SIM or re.match("[a-z]", count):
             ports.append(one)
             continue
         if not re.fullmatch("[0-9]{1,4}", count) or not 1 <= int(count) <= MOST_SIMULATED:
-            raise QuadshadeError(f"the port is {one!r}", f"write sim, or sim:1 to sim:{MOST_SIMULATED}")
-        ports += ["sim"] * int(count)
+            hint = f"write sim, sim:1 to sim:{MOST_SIMULATED}, or sim:BOARD, e.g. sim:icebreaker"
+            raise QuadshadeError(f"the port is {one!r}", hint)
+        ports += [SIM] * int(count)
     seen: dict[Any, Any] = {}
     for port in ports:
-        if port != "sim":
+        if simulated_board(port) is None:
             # Two names may be links to one device.
             place = os.path.realpath(port) if isinstance(port, str) and port.startswith("/") else port
             if place in seen.values():

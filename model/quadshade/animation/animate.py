@@ -270,7 +270,7 @@ class Animation:
     def _on_workers(self, frames: list[int]) -> Iterator[Drawn]:
         """Frames drawn by the workers of a Dask scheduler, as they get ready."""
         from quadshade.cluster import connect, stream
-        from quadshade.rendering.board import worker_place
+        from quadshade.rendering.simulated import worker_place
 
         if not frames:
             return

@@ -50,7 +50,7 @@ class Board(BoardReader):
     Parameters
     ----------
     port : str or serial object, optional
-      ``sim``, ``auto``, a port's name, a pyserial URL, or an open object; ``QUADSHADE_PORT`` if left out.
+      ``sim``, ``sim:BOARD``, ``auto``, a name, a pyserial URL, or an open object; else ``QUADSHADE_PORT``.
     baud : int, optional
       ``QUADSHADE_BAUD`` or 1000000 if left out. Another rate is agreed on with the board.
     settings : BoardSettings, optional
@@ -101,7 +101,7 @@ class Board(BoardReader):
         notice: Callable[[str], None] | None = None,
         progress: Progress | None = None,
     ) -> None:
-        self._port = Port(port, baud, settings or BoardSettings(), engine)
+        self._port = Port(port, baud, settings, engine)
         self._notice, self.progress = notice or _warn, progress
         self._reconnect_seconds = reconnect_seconds
         self._faulty: FaultyTransport | None = None

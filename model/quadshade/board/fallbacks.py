@@ -35,7 +35,9 @@ def host_formats(formats: Formats) -> Formats:
     Formats
     """
     channels = formats.num_channels if formats.with_shade else COLOURS
-    depth_bits = min(formats.depth_bits, formats.word_width - 2)
+    # What a board without depth gives for its bits says nothing of the order that the host draws in.
+    wanted = formats.depth_bits if formats.with_depth else Formats.depth_bits
+    depth_bits = min(wanted, formats.word_width - 2)
     return replace(formats, num_channels=channels, max_order=QUADRATIC, with_depth=1, depth_bits=depth_bits)
 
 

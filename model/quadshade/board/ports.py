@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from serial.tools import list_ports
@@ -13,15 +13,16 @@ from serial.tools import list_ports
 from quadshade.board.endpoints import PtyLine
 from quadshade.board.engines import ANSWER_SECONDS as SIMULATED_SECONDS
 from quadshade.board.engines import board_engine, start_engine
-from quadshade.board.settings import BoardSettings
+from quadshade.board.settings import BoardSettings, board_settings
 from quadshade.board.simulated import SimulatedBoard
+from quadshade.choices import SIM, parse_ports, simulated_board
 from quadshade.contract.protocol import LinkError
 from quadshade.errors import QuadshadeError
 from quadshade.link.exchange import ANSWER_SECONDS, Exchange
 from quadshade.link.session import Session
 from quadshade.link.transport import DEFAULT_BAUD, SerialTransport, baud_of, open_transport
 
-AUTO, SIM = "auto", "sim"
+AUTO = "auto"
 
 SEARCH_SECONDS = 0.3
 SEARCH_RETRIES = 3
@@ -81,26 +82,43 @@ class Port:
     Attributes
     ----------
     name : str or serial object
-      ``sim``, ``auto``, a port's name, a URL; or an object that is open already.
+      ``sim``, ``sim:BOARD``, ``auto``, a port's name, a URL; or an object that is open already.
     baud : int or None
       Rate to agree on; None: that of ``QUADSHADE_BAUD``, or the board's own.
-    settings : BoardSettings
-      Of a simulated board.
+    settings : BoardSettings or None
+      Of a simulated board; of one that ``sim:BOARD`` names they are that board's.
     engine : str or None
       What simulates it.
     simulated : SimulatedBoard or None
       The simulated board, once it runs.
+
+    Raises
+    ------
+    QuadshadeError
+      ``sim:BOARD`` with no such board, with several, or with settings as well.
     """
 
     name: Any = None
     baud: int | None = None
-    settings: BoardSettings = field(default_factory=BoardSettings)
+    settings: BoardSettings | None = None
     engine: str | None = None
     simulated: SimulatedBoard | None = None
 
     def __post_init__(self) -> None:
         self.name = self.name or os.environ.get("QUADSHADE_PORT")
         self.baud = baud_of(self.baud)
+        if simulated_board(self.name) is None:
+            return
+        ports = parse_ports(self.name)
+        if len(ports) > 1:
+            raise QuadshadeError(
+                f"the port {self.name} is {len(ports)} boards", "open each by itself, as sim"
+            )
+        if named := simulated_board(ports[0]):
+            if self.settings is not None:
+                raise QuadshadeError(f"settings are given, and the port {self.name} has its own", "give one")
+            self.settings = board_settings(named, None, {})
+        self.name = SIM
 
     @property
     def is_simulated(self) -> bool:
@@ -139,10 +157,11 @@ class Port:
           The port is missing, busy or may not be opened; no board is found; a simulator is missing.
         """
         if self.is_simulated:
+            settings = self.settings or BoardSettings()
             if self.simulated is None:
-                engine = start_engine(board_engine(self.engine), self.settings)
-                self.simulated = SimulatedBoard(PtyLine(baud=self.settings.baud), engine).start()
-            return open_transport(self.simulated.name, self.settings.baud)
+                engine = start_engine(board_engine(self.engine), settings)
+                self.simulated = SimulatedBoard(PtyLine(baud=settings.baud), engine).start()
+            return open_transport(self.simulated.name, settings.baud)
         return open_transport(find_board() if self.name == AUTO else self.name, DEFAULT_BAUD)
 
     def agree(self, session: Session) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from quadshade.choices import parse_faults, parse_ports
+from quadshade.choices import parse_faults, parse_ports, simulated_board
 from quadshade.cli.options import Decorator, Parsed, is_given, option
 from quadshade.cli.terminal import say_trace
 from quadshade.errors import QuadshadeError
@@ -59,7 +59,8 @@ def port_options(help_text: str = "The board", several: bool = False) -> list[De
             "--port",
             envvar="QUADSHADE_PORT",
             metavar="PORT",
-            help=f"{help_text}: auto (every serial port is asked), sim (a simulated one is started), "
+            help=f"{help_text}: auto (every serial port is asked), sim (a simulated one is started; "
+            "sim:icebreaker has that board's generics), "
             f"/dev/ttyUSB0, socket://host:port.{more}  [env: QUADSHADE_PORT]",
             **repeated,
         ),
@@ -136,7 +137,7 @@ def with_board(options: dict[str, Any]) -> dict[str, Any]:
     port = changed["port"]
     if (
         port is not None
-        and "sim" not in parse_ports(port)
+        and all(simulated_board(one) is None for one in parse_ports(port))
         and options.get("engine") is not None
         and is_given("engine")
     ):

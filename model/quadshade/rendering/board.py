@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from quadshade.board import Board, BoardSettings
+from quadshade.board import Board
 from quadshade.board.settings import board_settings
 from quadshade.board.tiled_screen import TiledScreen
-from quadshade.board.worker_boards import ENGINE_SCREEN, Place
-from quadshade.choices import PHONG, SPECULAR_ORDERS, parse_faults, parse_pack_error, parse_verify
+from quadshade.choices import PHONG, parse_pack_error, parse_verify
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
@@ -24,12 +23,12 @@ from quadshade.rendering.draw import adapt_note, draw_tones
 from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
 from quadshade.rendering.in_time import Pace, in_time
 from quadshade.rendering.levels import best_level, level_note
-from quadshade.rendering.open_board import opened, screen_of, simulated_screen, workers_screen
+from quadshade.rendering.open_board import opened, screen_of, workers_screen
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, board_count, shade_scene, show_scene
+from quadshade.rendering.simulated import simulated_screen, simulated_settings, worker_place
 from quadshade.rendering.supersample import jitter, mean, moved
-from quadshade.shading import UnsuitedError, specular_formats
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
@@ -77,25 +76,13 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | Ti
         with workers_screen(port, worker_place(settings), asked, reports) as tiled:
             yield tiled
         return
-    simulated = _simulated_settings(settings) if port.is_simulated else None
+    simulated = simulated_settings(settings) if port.is_simulated else None
     with opened(port, simulated, settings.engine, reports) as pool:
         size = None if choice.size is None else choice.pixels
         screen = screen_of(pool, size, reports, port.tiles_folder)
         yield screen
         if isinstance(screen, TiledScreen):
             screen.forget_tiles()
-
-
-def worker_place(settings: RenderSettings) -> Place:
-    """What each worker of a Dask scheduler draws with: a board of its own, or an engine."""
-    port = settings.port
-    # Of a board that is there already, nothing here counts.
-    built = _simulated_settings(settings) if port.is_simulated or port.port is None else BoardSettings()
-    if port.port is None:
-        own = {"screen_width": ENGINE_SCREEN, "screen_height": ENGINE_SCREEN, "with_edge_map": 0}
-        built = built.with_generics(own)
-    faults = None if port.faults is None else parse_faults(port.faults)
-    return Place(port.port, built, settings.engine.engine, port.baud, faults, port.timeout)
 
 
 def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | None = None) -> Picture:
@@ -203,48 +190,6 @@ def _packing_note(pack_error: float) -> str:
         f"; its words are packed to {pack_error:g} grey levels, which may move a pixel by one"
         " (--pack-error 0: none)"
     )
-
-
-def _simulated_settings(settings: RenderSettings) -> BoardSettings:
-    """Generics of a simulated board that can draw what is asked for."""
-    choice, style = settings.scene, settings.style
-    given = choice.set_generics
-    size = simulated_screen(None if choice.size is None else choice.pixels)
-    channels = _shaded_channels(settings) if choice.interpolation in SPECULAR_ORDERS else {}
-    built = board_settings(None, size, channels | given)
-    if (
-        settings.adapt.is_adaptive
-        and choice.shading is None
-        and not settings.core_generics
-        and not style.kinds
-    ):
-        # Enough for colours and, of one light, for cosines; edges need a board without shade.
-        built = built.with_generics({"with_shade": 1, "num_channels": 3, "num_specular": 1})
-    if style.kinds and _can_draw_gbuffer(built.formats):
-        built = built.with_generics({"with_edge_map": 1})
-    return built
-
-
-def _shaded_channels(settings: RenderSettings) -> dict[str, int]:
-    """Generics of a shade unit for a scene and its lights; none where it is drawn in colours instead."""
-    choice = settings.scene
-    scene = show_scene(settings, settings.checked(), Reports(notice=lambda _: None))
-    try:
-        formats = specular_formats(
-            settings.core_generics, scene.projected, scene.lights, scene.surface, choice.toon is not None
-        )
-    except UnsuitedError:
-        return {}
-    return {name: getattr(formats, name) for name in ("with_shade", "num_channels", "num_specular")}
-
-
-def _can_draw_gbuffer(formats: Formats) -> bool:
-    """Whether a board with these generics can draw normals and depth."""
-    try:
-        check_gbuffer(formats, "linear")
-    except QuadshadeError:
-        return False
-    return True
 
 
 def style_on_board(
@@ -374,13 +319,14 @@ def draw_triangles_on_board(
     if port.is_simulated:
         core = {name: value for name, value in generics.items() if name in Formats().generics()}
         formats = open_triangles(path, core)[1]
-        given = board_settings(None, simulated_screen((width, height)), generics)
+        screen = simulated_screen((width, height), formats.coord_bits)
+        given = board_settings(None, screen, generics)
         settings = replace(given, formats=formats)
     with opened(port, settings, engine, reports) as pool:
         board = screen_of(pool, (width, height), reports, port.tiles_folder)
         wanted = {
             name: value
-            for name, value in board.formats.generics().items()
+            for name, value in board.host_formats.generics().items()
             if name not in ("num_channels", "with_depth", "max_order")
         }
         loaded: ScreenTriangles = open_triangles(path, wanted)[0]

@@ -373,7 +373,7 @@ class PortChoice:
 
     @property
     def is_simulated(self) -> bool:
-        """Whether a board is one's own simulation."""
+        """Whether a board is one's own simulation, with generics that are chosen here."""
         return "sim" in [one for one in self.ports if isinstance(one, str)]
 
     @property

@@ -13,33 +13,13 @@ from quadshade.board.pool import BoardPool
 from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.board.worker_boards import Place, WorkerPool
-from quadshade.choices import parse_faults
+from quadshade.choices import SIM, parse_faults, simulated_board
 from quadshade.cluster import connect
-from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import PortError
 from quadshade.errors import QuadshadeError
 from quadshade.rendering.groups import EngineChoice, PortChoice
 from quadshade.rendering.settings import Reports
-from quadshade.setup.refit import picture_formats
-
-REAL_SCREEN = (BoardSettings.screen_width, BoardSettings.screen_height)
-"""Of most boards: a simulated one has no more pixels, and draws a larger picture in tiles."""
-
-
-def simulated_screen(size: tuple[int, int] | None) -> tuple[int, int] | None:
-    """
-    The screen of a simulated board for a picture: as large as that, where a real board has it.
-
-    Raises
-    ------
-    QuadshadeError
-      A picture that no core can address.
-    """
-    if size is not None:
-        picture_formats([Formats()], *size)
-    if size is None or size[0] > REAL_SCREEN[0] or size[1] > REAL_SCREEN[1]:
-        return REAL_SCREEN
-    return size
+from quadshade.rendering.simulated import settings_of
 
 
 @contextmanager
@@ -64,7 +44,9 @@ def opened(
       A port that cannot be opened, or no board that answers. Of several, those that do not answer, or are of
       another version, are left out with a notice.
     """
-    if port.is_simulated and settings is not None:
+    # A name that no board has is wrong, not a board that does not answer.
+    built = [settings_of(name, settings) for name in port.ports]
+    if any(simulated_board(name) is not None for name in port.ports):
         reports.step(f"starting a simulated board in {board_engine(engine.engine)}")
     with ExitStack() as stack:
         boards: list[Board] = []
@@ -74,7 +56,9 @@ def opened(
                 given = port.ports[number]
                 is_open = isinstance(given, Board)
                 boards.append(
-                    given if is_open else stack.enter_context(_open(port, number, settings, engine, reports))
+                    given
+                    if is_open
+                    else stack.enter_context(_open(port, number, built[number], engine, reports))
                 )
             except PortError:
                 raise
@@ -92,14 +76,14 @@ def _open(
     port: PortChoice, number: int, settings: BoardSettings | None, engine: EngineChoice, reports: Reports
 ) -> Board:
     """The board at one of the ports."""
-    name = port.ports[number]
+    name, is_simulated = port.ports[number], simulated_board(port.ports[number]) is not None
     rate, seed = (0.0, 0) if port.faults is None else parse_faults(port.faults)
     alone = len(port.ports) == 1
     return Board(
-        name,
+        SIM if is_simulated else name,
         port.baud,
-        settings=settings,
-        engine=engine.engine if name == "sim" else None,
+        settings=settings if is_simulated else None,
+        engine=engine.engine if is_simulated else None,
         # Every line is damaged in another way.
         faults=None if port.faults is None else (rate, seed + number),
         answer_seconds=port.timeout,

@@ -14,8 +14,9 @@ from quadshade.board.tiled_screen import TiledScreen
 from quadshade.choices import VERIFIES, parse_verify
 from quadshade.packing.frame_file import read_frame_file
 from quadshade.rendering.groups import EngineChoice, PortChoice
-from quadshade.rendering.open_board import opened, simulated_screen
+from quadshade.rendering.open_board import opened
 from quadshade.rendering.settings import Reports
+from quadshade.rendering.simulated import simulated_screen
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ def replay_on_board(
     size = (frame.width, frame.height)
     settings = None
     if port.is_simulated:
-        settings = BoardSettings(frame.formats, *(simulated_screen(size) or size))
+        settings = BoardSettings(frame.formats, *simulated_screen(size, frame.formats.coord_bits))
     with opened(port, settings, engine, reports) as pool:
         first = pool.boards[0]
         if len(pool.boards) == 1 and size == (first.width, first.height):

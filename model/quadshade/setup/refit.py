@@ -70,7 +70,8 @@ def why_unfit(picture: Formats, board: Formats) -> str:
     if board.num_channels != picture.num_channels and not (
         board.num_channels >= COLOURS and picture.num_channels in (1, COLOURS)
     ):
-        return f"it has {board.num_channels} channels, the picture {picture.num_channels}"
+        plural = "s" * (board.num_channels != 1)
+        return f"it has {board.num_channels} channel{plural}, the picture {picture.num_channels}"
     if board.max_order < picture.max_order:
         return f"its max_order is {board.max_order}, the picture's {picture.max_order}"
     above = picture.word_width - picture.frac_bits
