@@ -35,6 +35,37 @@ begin
 end architecture;
 """
 
+FOREIGN = """\
+-- SPDX-License-Identifier: Apache-2.0
+library ieee;
+use ieee.std_logic_1164.all;
+entity uart_rx is
+  port (clk, rx : in std_logic; ready : out std_logic);
+end entity;
+architecture rtl of uart_rx is
+begin
+  ready <= rx when rising_edge(clk);
+end architecture;
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+library quadshade;
+use quadshade.link_pkg.all;
+entity foreign is
+  port (clk, reset, rx : in std_logic; seen, valid : out std_logic);
+end entity;
+architecture rtl of foreign is
+begin
+  mine : entity work.uart_rx port map (clk => clk, rx => rx, ready => seen);
+  theirs : entity quadshade.uart_rx
+    port map (
+      clk => clk, reset => reset, phase_step => to_unsigned(77, phase_bits), rx => rx, byte_valid => valid,
+      byte_data => open, framing_error => open, break_seen => open
+    );
+end architecture;
+"""
+
 
 def test_repairs_constants() -> None:
     assert repair_constants('a <= "0101";\nb = "zX01";\n') == "a <= 4'b0101;\nb = 4'bzX01;\n"
@@ -78,6 +109,30 @@ def test_is_made_once_and_again_when_anything_changes(tmp_path: Path) -> None:
     assert (
         len({first, write_netlist({}, "wide", [source]), write_netlist({"ones": 0}, "wide", [source])}) == 3
     )
+
+
+@needs_ghdl
+def test_names_of_others_do_not_collide(tmp_path: Path) -> None:
+    """A design has a `uart_rx` of its own beside that of the RTL, which is in a library of its own."""
+    source = tmp_path / "foreign.vhd"
+    source.write_text(FOREIGN)
+    options = ["--std=08", "-Werror"]
+    names = ("generated/quadshade_pkg.vhd", "generated/link_pkg.vhd", "link/uart_rx.vhd")
+    needed = [ROOT / "rtl" / name for name in names]
+    run_tool(["ghdl", "-a", *options, "--work=quadshade", *map(str, needed)], tmp_path)
+    run_tool(["ghdl", "-a", *options, str(source)], tmp_path)
+    run_tool(["ghdl", "-e", *options, "foreign"], tmp_path)
+    # Verilog has no libraries, and GHDL gives both one name.
+    with pytest.raises(QuadshadeError, match="two modules of the netlist are called 'uart_rx'"):
+        write_netlist({}, "foreign", [source], library="quadshade")
+    source.write_text(
+        FOREIGN.replace("uart_rx is", "my_uart_rx is")
+        .replace("of uart_rx", "of my_uart_rx")
+        .replace("work.uart_rx", "work.my_uart_rx")
+    )
+    text = write_netlist({}, "foreign", [source], library="quadshade").read_text()
+    modules = re.findall(r"^module (\w+)", text, re.MULTILINE)
+    assert sorted(modules) == ["foreign", "my_uart_rx", "uart_rx"]
 
 
 @needs_ghdl

@@ -86,13 +86,19 @@ def repair_constants(verilog: str) -> str:
 
 def check_names(verilog: str) -> None:
     """
-    Refuse a netlist with a signal that has a word of SystemVerilog as its name.
+    Refuse a netlist with a signal that has a word of SystemVerilog as its name, or two modules of one name.
 
     Raises
     ------
     QuadshadeError
       There is one.
     """
+    modules = re.findall(r"^module (\w+)", verilog, re.MULTILINE)
+    for name in modules:
+        if modules.count(name) > 1:
+            raise QuadshadeError(
+                f"two modules of the netlist are called {name!r}", "rename yours: Verilog has no libraries"
+            )
     for name in DECLARED.findall(verilog):
         if name in KEYWORDS:
             raise QuadshadeError(
@@ -114,7 +120,11 @@ def netlist_header(top: str, generics: Mapping[str, int | str]) -> str:
 
 
 def write_netlist(
-    generics: Mapping[str, int | str], top: str = TOP, more: Sequence[Path] = (), root: Path | None = None
+    generics: Mapping[str, int | str],
+    top: str = TOP,
+    more: Sequence[Path] = (),
+    root: Path | None = None,
+    library: str = "work",
 ) -> Path:
     """
     Synthesise an entity into one checked Verilog file, once for each state of the sources.
@@ -126,9 +136,11 @@ def write_netlist(
     top : str
       The entity, from ``rtl/files.f`` or ``more``.
     more : sequence of Path
-      VHDL files to analyse after those of ``rtl/files.f``.
+      VHDL files to analyse after those of ``rtl/files.f``, into the library ``work``.
     root : Path, optional
       Checkout of Quadshade; the one that holds this package if left out.
+    library : str
+      That of the files of ``rtl/files.f``; with another one than ``work`` the entity is one of ``more``.
 
     Returns
     -------
@@ -143,18 +155,19 @@ def write_netlist(
     """
     root = root or repository_root()
     ghdl = tool_command("GHDL")
-    sources = [*rtl_files(root), *more]
+    own = rtl_files(root)
     settings = [f"-g{name}={value}" for name, value in generics.items()]
 
     def make(folder: Path) -> None:
         with tempfile.TemporaryDirectory() as work:
             command = [*ghdl, "--synth", "--std=08", f"--workdir={work}", "-Werror", "--no-formal"]
-            command += ["--out=verilog", *settings, *map(str, sources), "-e", top]
+            command += ["--out=verilog", *settings, f"--work={library}", *map(str, own), "--work=work"]
+            command += [*map(str, more), "-e", top]
             verilog = repair_constants(run_tool(command, Path(work)))
         check_names(verilog)
         # Comments say where a line comes from; the folder of a checkout is nobody else's.
         verilog = verilog.replace(f"{root}/", "")
         (folder / f"{top}.v").write_text(netlist_header(top, generics) + verilog)
 
-    key = build_key(tool_version(tuple(ghdl)), top, *settings, Path(__file__), *sources)
+    key = build_key(tool_version(tuple(ghdl)), top, library, *settings, Path(__file__), *own, *more)
     return build_once(root / "build" / "netlist", key, make) / f"{top}.v"
