@@ -11,11 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quadshade.animation.film import is_folder, write_film, write_pictures
+from quadshade.animation.film import write_film, write_pictures
 from quadshade.animation.motion import Motion, Pose
+from quadshade.animation.outputs import Outputs
 from quadshade.animation.posed import Stage
 from quadshade.animation.record import FrameRow, write_plot, write_table
 from quadshade.animation.store import FrameStore, animation_key
+from quadshade.board import Board
+from quadshade.board.pool import BoardPool
+from quadshade.board.tiled_screen import TiledScreen
 from quadshade.board.worker_boards import Place, board_here, forget_board
 from quadshade.choices import PHONG, STYLES
 from quadshade.errors import QuadshadeError, is_interrupt
@@ -249,23 +253,43 @@ class Animation:
         return draw_frame(frame, self.motion.pose(frame), settings, self._measures, pace)
 
     def _on_board(self, frames: list[int], pace: Pace) -> Iterator[Drawn]:
-        """Frames drawn one after the other by a board that stays open."""
+        """Frames drawn by boards that stay open: one after the other, or whole ones by each of several."""
+        from quadshade.animation.dealt_frames import dealt_frames
         from quadshade.rendering.board import board_for
 
         if not frames:
             return
+        said: set[str] = set()
+
+        def once(text: str) -> None:
+            if text not in said:
+                said.add(text)
+                self._reports.notice(text)
+
+        def draw(board: Board | TiledScreen, number: int) -> Drawn:
+            return self._on_one(board, number, pace)
+
+        reports = replace(self._reports, notice=once, progress=None)
+        with board_for(self.frame_settings(frames[0]), reports) as board:
+            if isinstance(board, TiledScreen) and isinstance(board.pool, BoardPool):
+                count = len(board.pool.boards)
+                whole = len(frames) // count * count * (count > 1)
+                yield from dealt_frames(board, board.pool, frames[:whole], draw)
+                # So few are left that all boards share each of them.
+                frames = frames[whole:]
+            yield from (draw(board, number) for number in frames)
+
+    def _on_one(self, board: Board | TiledScreen, number: int, pace: Pace) -> Drawn:
+        """A frame that a board draws, or several in tiles."""
         port = self.settings.port
-        with board_for(self.frame_settings(frames[0]), replace(self._reports, progress=None)) as board:
-            opened = PortChoice(board, pack_error=port.pack_error, verify=port.verify)
-            for number in frames:
-                before, late = board.statistics["bytes_sent"], getattr(board, "late", 0)
-                placed = self.frame_settings(number).of_scene(generics=())
-                drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()), pace)
-                sent = int(board.statistics["bytes_sent"] - before)
-                row = replace(drawn.row, bytes=sent)
-                if self.settings.adapt.frame_time is not None:
-                    row = replace(row, late=getattr(board, "late", 0) - late)
-                yield drawn._replace(row=row)
+        opened = PortChoice(board, pack_error=port.pack_error, verify=port.verify)
+        before, late = board.statistics["bytes_sent"], getattr(board, "late", 0)
+        placed = self.frame_settings(number).of_scene(generics=())
+        drawn = self._one(number, replace(placed, port=opened, engine=EngineChoice()), pace)
+        row = replace(drawn.row, bytes=int(board.statistics["bytes_sent"] - before))
+        if self.settings.adapt.frame_time is not None:
+            row = replace(row, late=getattr(board, "late", 0) - late)
+        return drawn._replace(row=row)
 
     def _on_workers(self, frames: list[int]) -> Iterator[Drawn]:
         """Frames drawn by the workers of a Dask scheduler, as they get ready."""
@@ -359,37 +383,3 @@ def draw_frame(
         kept = {name: timing[name] for name in names} | {"board_clocks": timing["clocks_whole"]}
         row = replace(row, deadline_clocks=timing["deadline"], **kept)
     return Drawn(row, picture.array, picture.notes)
-
-
-class Outputs(NamedTuple):
-    """What an animation writes, and where it keeps its frames meanwhile."""
-
-    film: Path
-    is_folder: bool
-    table: Path
-    plot: Path
-    frames: Path
-
-    @classmethod
-    def of(cls, path: Path) -> Outputs:
-        """
-        The files of an output; a folder is made.
-
-        Raises
-        ------
-        QuadshadeError
-          A name that is of no kind, or a folder that cannot be made.
-        """
-        if not is_folder(path):
-            stem, frames = path.stem, path.with_name(f".{path.name}.frames")
-            return cls(path, False, path.with_name(f"{stem}.csv"), path.with_name(f"{stem}_plot.png"), frames)
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise QuadshadeError(f"cannot write {path}: {error.strerror or error}") from None
-        return cls(path, True, path / "frames.csv", path / "plot.png", path / ".frames")
-
-    def forget(self) -> None:
-        """Remove a folder in which nothing was written."""
-        if self.is_folder and not any(self.film.iterdir()):
-            self.film.rmdir()

@@ -39,10 +39,13 @@ class BoardPool:
       Those that are left.
     everyone : tuple of Board
       Those that are lost too.
+    reason : str
+      Why the last one that is lost was lost.
     """
 
     def __init__(self, boards: Sequence[Board], notice: Callable[[str], None]) -> None:
         self.boards, self.everyone = list(boards), tuple(boards)
+        self.reason = "there was none"
         self._notice = notice
         self._threads: dict[Board, threading.Thread] = {}
 
@@ -51,6 +54,7 @@ class BoardPool:
         if board not in self.boards:
             return
         self.boards.remove(board)
+        self.reason = reason
         # Of the only one the error says it.
         if len(self.everyone) > 1:
             then = "its work goes to the others" if self.boards else "no board is left"
@@ -79,7 +83,6 @@ class BoardPool:
           No board is left: how many jobs are missing, and why the last board was lost.
         """
         desk = _Desk(work, jobs)
-        reason = "there was none"
         for board in self.boards:
             arguments = (board, self._threads.get(board))
             thread = threading.Thread(target=desk.serve, args=arguments, name="board", daemon=True)
@@ -95,7 +98,7 @@ class BoardPool:
                     break
                 if not self.boards:
                     raise QuadshadeError(
-                        f"{missing} {work.what} are missing, as no board is left: {reason}", work.hint
+                        f"{missing} {work.what} are missing, as no board is left: {self.reason}", work.hint
                     )
         finally:
             desk.stop()

@@ -120,6 +120,10 @@ class TiledScreen:
             raise QuadshadeError(f"no board draws the picture: {reason}", "pack it again for these boards")
         return formats
 
+    def on(self, pool: BoardPool) -> TiledScreen:
+        """A screen of some of the boards, which draw by themselves what all of them would draw."""
+        return TiledScreen(pool, self.width, self.height, self._notice, formats=self.formats)
+
     @property
     def name(self) -> str:
         """Where its boards are."""
