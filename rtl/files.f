@@ -10,6 +10,7 @@ rtl/common/single_port_ram.vhd
 rtl/common/crc32.vhd
 rtl/common/skid_buffer.vhd
 rtl/common/memory_clear.vhd
+rtl/common/sdram_controller.vhd
 rtl/link/uart_rx.vhd
 rtl/link/uart_tx.vhd
 rtl/link/cobs_decoder.vhd
