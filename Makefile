@@ -211,6 +211,10 @@ faults-boards: setup ## kill boards that share pictures on bad lines, write docs
 scale: setup ## tiles against one screen, and pictures shared by boards, write docs/reports/scale.md
 	@$(VENV) -m scripts.experiments.scale
 
+.PHONY: sdram
+sdram: setup ## what a picture in SDRAM would take of memory, block RAM and line, write docs/reports/sdram.md
+	@$(VENV) -m scripts.experiments.sdram_budget
+
 .PHONY: faults-rtl
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
 	@$(VENV) -m scripts.experiments.link_faults_rtl

@@ -30,6 +30,7 @@ CASES: list[tuple[str, str, dict[str, int]]] = [
     ("edge_map", "ecp5-85k-6", {"max_width": 320}),
     ("scan_out", "ecp5-85k-6", {"width": 320}),
     ("pixel_packer", "ecp5-85k-6", {}),
+    ("sdram_controller", "ecp5-85k-6", {}),
     ("depth_test", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL | DOUBLE),
