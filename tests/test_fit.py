@@ -15,10 +15,10 @@ from quadshade.errors import QuadshadeError
 from quadshade.fit import fit_colours, fit_scene, fits, solve
 from quadshade.fit.elements import ENDS, shared_elements
 from quadshade.fit.jumps import jump_penalty, jumps_of
-from quadshade.fit.places import held_beyond, places_of
+from quadshade.fit.places import Places, held_beyond, places_of
 from quadshade.fit.solve import HOLD
 from quadshade.fit.weighting import Weighted
-from quadshade.scene import build_mesh, fit_camera, load_scene, parse_camera, project
+from quadshade.scene import Projected, build_mesh, fit_camera, load_scene, parse_camera, project
 from quadshade.shading import Material, default_lights, sample, sample_specular, specular_formats
 from quadshade.shading.reference import barycentric, phong, quadratic_shape
 from quadshade.shading.sample import reflected
@@ -355,6 +355,23 @@ def test_only_triangles_that_are_seen_are_split() -> None:
     allowed, none = (fit_scene(projected, six, "c1", material=SHARP, jump=jump) for jump in (0.02, 0.0))
     assert len(allowed.triangles) < 1.5 * len(projected) < len(none.triangles)
     assert not allowed.notes
+
+
+def test_c1_of_a_mesh_too_fine_to_be_seen_is_fitted_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A million faces took a minute: every triangle's places were looked for and solved for as if split."""
+    projected, six = seen("sphere:80x80", 40)
+    asked = []
+
+    def counted(places: str, drawn: Projected, formats: Formats) -> Places:
+        asked.append(len(drawn))
+        return places_of(places, drawn, formats)
+
+    monkeypatch.setattr(fits, "places_of", counted)
+    monkeypatch.setattr(fits, "fit_c1", None)
+    fitted = fit_scene(projected, six, "c1", material=SHARP)
+    assert asked == [len(projected)] and len(projected) > 2000
+    assert not fitted.notes and (fitted.triangles.vertices == six.vertices).all()
+    assert (errors(projected, fitted.triangles) ** 2).mean() < 1.1 * (errors(projected, six) ** 2).mean()
 
 
 def test_refuses_what_is_not_quadratic() -> None:

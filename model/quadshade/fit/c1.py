@@ -74,6 +74,17 @@ class SmoothParts:
     ended: bool
 
 
+def _seen(projected: Projected, jump: float, formats: Formats) -> Bools:
+    """(n,) triangles at which a jump is seen; without an allowed jump every one."""
+    area = np.abs(doubled_area(np.asarray(projected.vertices, dtype=np.int64)))
+    return area / 2 / 4.0**formats.subpixel_bits >= (SEEN if jump else 0)
+
+
+def anything_seen(projected: Projected, jump: float, formats: Formats) -> bool:
+    """Whether anything can be split; else what is drawn is least squares, and takes less time that way."""
+    return bool(_seen(projected, jump, formats).any())
+
+
 def fit_c1(
     projected: Projected,
     elements: Elements,
@@ -111,7 +122,7 @@ def fit_c1(
     smooth, allowed = smooth_corners(elements, neighbours, split.sound)
     chosen = np.zeros(len(allowed), dtype=bool)
     scale = 2.0**formats.subpixel_bits
-    area = np.abs(doubled_area(vertices)) / 2 / scale**2
+    seen = _seen(projected, jump, formats)
     for number in range(ROUNDS):
         parts = parts_of(elements, vertices, split, smooth, chosen, scale)
         drawn, triangles, ended = _solved(projected, parts, target, elements.start, largest)
@@ -119,9 +130,8 @@ def fit_c1(
         jumps = jumps_of(own, parts.vertices, formats, _whole_edges(parts))
         values = np.empty_like(own.start)
         values[own.index.reshape(-1)] = _flat(triangles)
-        # Without an allowed jump every edge is smooth, seen or not.
-        seen = area[parts.parent[jumps.triangle]].max(axis=1, initial=0.0) >= (SEEN if jump else 0)
-        wrong = seen & (jumps.of_edges(values) > jump)
+        large = seen[parts.parent[jumps.triangle]].any(axis=1)
+        wrong = large & (jumps.of_edges(values) > jump)
         wanted = np.zeros(len(chosen), dtype=bool)
         wanted[smooth[_ends(parts, jumps.triangle[wrong, 0], jumps.side[wrong, 0])]] = True
         more = wanted & allowed & ~chosen

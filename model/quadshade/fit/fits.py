@@ -14,7 +14,7 @@ from quadshade.contract.formats import QUADRATIC, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.fit import solve
-from quadshade.fit.c1 import Target, fit_c1
+from quadshade.fit.c1 import Target, anything_seen, fit_c1
 from quadshade.fit.cosines import fit_cosines
 from quadshade.fit.elements import shared_elements
 from quadshade.fit.jumps import jump_penalty
@@ -26,6 +26,9 @@ from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.reference import phong_at
 from quadshade.shading.sample import CHANNELS, sample
+
+WEIGHTED = {"minimax": smallest_peak, "least-squares": lower_peaks}
+"""What makes the largest error of a fit smaller."""
 
 
 class _UnshadedError(Exception):
@@ -153,7 +156,7 @@ def fit_scene(
     elements = shared_elements(colours)
     largest = 2.0**formats.value_bits - 1
     try:
-        if fit == "c1":
+        if fit == "c1" and anything_seen(projected, jump, formats):
             asked = Target(
                 lambda drawn: sample(drawn, lights=lights, material=material, formats=formats), target
             )
@@ -174,7 +177,9 @@ def fit_scene(
         values = solution.values
     else:
         solution = system.solve(here.area)
-        values = {"minimax": smallest_peak, "least-squares": lower_peaks}[fit](system, solution.values)
+        values = solution.values
+        if fit in WEIGHTED:
+            values = WEIGHTED[fit](system, values)
     samples = triangles.samples.copy()
     samples[:, :3] = elements.samples(values)
     notes = large + _notes(wrong[0], solution.ended)
