@@ -66,7 +66,7 @@ def test_errors_of_parts_are_those_of_what_is_drawn(kind: type[Shader]) -> None:
     assert len(plan.surface.root) > len(whole) or kind is CosineShader
     assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders, plan.first)
     assert plan.bytes == stream_bytes(plan.triangles, formats)
-    errors = plan.drawn()
+    errors = plan.drawn
     pixels = draw(plan.triangles, formats).pixels
     off = pixel_errors(pixels, plan.surface.root, whole, planner.shader.lights, SHINY, formats)
     largest = np.zeros(len(plan.surface.root))

@@ -127,7 +127,9 @@ class ErrorCurve:
         first = self._curves_of(kinds[:1])[0] if kinds[0] not in self.refused else None
         if first is None or first.planner.divides_much(max_error):
             return self.curves, []
-        picture = first.picture(first.first_within(max_error))
+        index = first.first_within(max_error)
+        first.draw_around(index)
+        picture = first.picture(index)
         most = picture.cost("bytes") if picture.error <= max_error else math.inf
         hopeless = [kind for kind in kinds if bounds[kind] > most]
         curves = self._curves_of([kind for kind in self._planners if kind not in hopeless])

@@ -233,10 +233,17 @@ def divide(surface: Surface, decision: Decision, shader: Shader) -> Surface:
     if not decision.wanting.any():
         return surface
     edges, wanted = _marks(surface, decision)
+    if surface.last is None or not np.array_equal(surface.last[0], wanted):
+        surface.last = wanted, _parts(surface, edges, wanted, shader)
+    return surface.last[1]
+
+
+def _parts(surface: Surface, edges: Edges, wanted: np.ndarray, shader: Shader) -> Surface:
+    """Split those of (edges,) bool wanted edges that can be, and shade what is new."""
     marks = possible_splits(surface.projected, edges, wanted)
-    projected, parent = split_edges(surface.projected, edges, marks)
-    if len(projected) == len(surface.root):
+    if not marks.any():
         return surface
+    projected, parent = split_edges(surface.projected, edges, marks)
     fresh = np.flatnonzero((np.bincount(parent) > 1)[parent])
     root = surface.root[parent]
     number, splits = children(parent), edges.splits(marks)[parent]

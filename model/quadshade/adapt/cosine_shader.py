@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from quadshade.golden.shade.render_core import first_entry
 from quadshade.scene.project import Projected
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.shading.phong_loops import lit_mesh
 from quadshade.shading.point_sets import PointSets, cosine_sets, own_points, shared_points
 from quadshade.shading.specular import (
     ambient_colour,
@@ -173,7 +173,7 @@ class CosineShader(Shader):
         self, projected: Projected, triangle: np.ndarray, sets: PointSets
     ) -> tuple[np.ndarray, np.ndarray]:
         """(lights, m) diffuse and specular cosines at points of (n,) int64 triangles."""
-        lit = lit_mesh(projected, self.lights, self.material, self.full)
+        lit = self.lit(projected)
         assert lit is not None, "only colours can have a reflectance of the user's own"
         facing, towards = cosine_sets(lit, triangle, sets, self.strength)
         return facing, towards if self.power else np.clip(towards, 0, 1) ** self.material.exponent
@@ -224,7 +224,7 @@ class CosineShader(Shader):
     ) -> Choice:
         """See :meth:`Shader.choose_from`."""
         shape, count = errors.shape[:-1], len(options)
-        flat = errors.reshape(count, int(np.prod(shape[1:])), errors.shape[-1])
+        flat = errors.reshape(count, prod(shape[1:]), errors.shape[-1])
         largest = self.measure == "max"
         orders, left, spent = choose_options(flat, words, options, goal, largest)
         return Choice(orders.reshape(*shape, options.shape[-1]), left.reshape(shape), spent.reshape(shape))

@@ -117,6 +117,14 @@ class Curve:
         """Bytes that :meth:`cheapest` takes at least from an index: what takes more is passed over there."""
         return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
+    def draw_around(self, index: int) -> None:
+        """Draw at once what :meth:`cheapest` compares first: the plan for a limit and some that are looser."""
+        if self.planner.measure != "max" or not self.verify or index in self._known:
+            return
+        plans = [self.plan(near) for near in range(index, max(index - MISSES, 0) - 1, -1)]
+        if not plans[0].much_divided:
+            self.planner.draw((plan.triangles, plan.surface) for plan in plans)
+
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""
         if index not in self._known:
@@ -185,6 +193,7 @@ class Curve:
           interest, but for the first.
         """
         first = self.first_within(error)
+        self.draw_around(first)
         tried: list[Picture] = []
 
         def add(index: int) -> bool:
@@ -215,7 +224,9 @@ class Curve:
         for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
-            dear = dear + 1 if self.plan(index).least_cost(unit) > enough else 0
+            plan = self.plan(index)
+            # Where much is divided, a stricter limit may well take less; else hardly.
+            dear = dear + 1 if plan.least_cost(unit) > (enough if plan.much_divided else most) else 0
             if dear == MISSES:
                 break
             draw(index)

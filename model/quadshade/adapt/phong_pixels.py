@@ -24,7 +24,7 @@ from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light
 from quadshade.shading.material import Material
-from quadshade.shading.phong_loops import lit_mesh, shade_rows
+from quadshade.shading.phong_loops import lit_mesh, shade_pixels, shade_rows
 from quadshade.shading.reference import phong
 
 BLOCK = 1024
@@ -81,12 +81,12 @@ def _compare(
             if first_row[triangle] <= row < first_row[triangle + 1]:
                 low, high = left[row], left[row] + places[row + 1] - places[row]
             begin = places[row] - low if high > low else 0
-            worst, square = 0.0, 0.0
             for number in range(len(given.tables)):
                 if not given.linear >> number & 1:
                     lane = len(given.coefficients) - len(given.tables) + number
                     for pixel in range(index, index + pixels):
                         errors[part, 3] = max(errors[part, 3], float(value[pixel, lane]))
+            red = green = blue = square = 0.0
             for pixel in range(index, index + pixels):
                 if not low <= x[pixel] < high:
                     if found < len(outside):
@@ -96,10 +96,13 @@ def _compare(
                     found += 1
                     continue
                 place = begin + x[pixel]
-                for channel in range(3):
-                    off = abs(colour[pixel, channel] - light[place, channel])
-                    worst = max(worst, off)
-                    square += off * off
+                one = abs(colour[pixel, 0] - light[place, 0])
+                two = abs(colour[pixel, 1] - light[place, 1])
+                three = abs(colour[pixel, 2] - light[place, 2])
+                # Of each colour by itself: none waits for another.
+                red, green, blue = max(red, one), max(green, two), max(blue, three)
+                square += one * one + two * two + three * three
+            worst = max(red, green, blue)
             errors[part, 0] = max(errors[part, 0], worst)
             errors[part, 1] += square
             errors[part, 2] += pixels
@@ -114,11 +117,15 @@ def _ranges(rows: MeshRows, light: Floats) -> Floats:
     out = np.zeros((len(rows.top), 3))
     for index in range(len(out)):
         first, last = rows.places[rows.rows[index]], rows.places[rows.rows[index + 1]]
-        for colour in range(3):
-            low, high = np.inf, -np.inf
-            for place in range(first, last):
-                low, high = min(low, light[place, colour]), max(high, light[place, colour])
-            out[index, colour] = high - low if last > first else 0.0
+        if last == first:
+            continue
+        red, green, blue = light[first, 0], light[first, 1], light[first, 2]
+        most_red, most_green, most_blue = red, green, blue
+        for place in range(first + 1, last):
+            red, most_red = min(red, light[place, 0]), max(most_red, light[place, 0])
+            green, most_green = min(green, light[place, 1]), max(most_green, light[place, 1])
+            blue, most_blue = min(blue, light[place, 2]), max(most_blue, light[place, 2])
+        out[index, 0], out[index, 1], out[index, 2] = most_red - red, most_green - green, most_blue - blue
     return out
 
 
@@ -168,6 +175,8 @@ class PhongPixels:
         return self._rows, self._light
 
     def _phong(self, triangle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        if self.lit is not None:
+            return shade_pixels(self.lit, triangle, x, y, self.formats.subpixel_bits)
         return phong(self.whole, triangle, x, y, self.lights, self.material, self.formats)
 
     def errors(self, triangles: ScreenTriangles, root: np.ndarray, formats: Formats) -> np.ndarray:
@@ -203,7 +212,7 @@ class PhongPixels:
             errors[:, :3], outside = 0, np.empty((found, 6), np.int64)
             _compare(*arguments, errors, outside)
         if found:
-            part, x, y = outside[:found, :3].T
+            part, x, y = np.ascontiguousarray(outside[:found, :3].T)
             off = abs(outside[:found, 3:] - self._phong(root[part], x, y))
             np.maximum.at(errors[:, 0], part, off.max(axis=1))
             np.add.at(errors[:, 1], part, (off**2).sum(axis=1))

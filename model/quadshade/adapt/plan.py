@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -156,7 +156,7 @@ class Planner:
         """
         allowed = self.everywhere(max_error - OUTPUT_ROUNDING)
         for attempt in range(VERIFY_ROUNDS if verify else 0):
-            over = np.flatnonzero(plan.drawn().largest > max_error)
+            over = np.flatnonzero(plan.drawn.largest > max_error)
             if not len(over):
                 break
             allowed[np.unique(plan.surface.root[over])] *= tighten
@@ -173,6 +173,31 @@ class Planner:
         """The plan that spends a word where it takes away at least so much squared error."""
         return self.settled(self.everywhere(np.inf), price)
 
+    def _number(self, triangles: ScreenTriangles, surface: Surface) -> np.ndarray:
+        """(n,) int64 a number for each part with its orders."""
+        orders = triangles.orders
+        return self._numbers.numbers(surface.part, orders @ len(ORDER_NAMES) ** np.arange(orders.shape[1]))
+
+    def draw(self, drawings: Iterable[tuple[ScreenTriangles, Surface]]) -> None:
+        """Draw with the golden model, at once, and compare what was not drawn before: see :meth:`drawn`."""
+        known, new, roots = len(self._numbers), [], []
+        for triangles, surface in drawings:
+            before = len(self._numbers)
+            number = self._number(triangles, surface)
+            if len(self._numbers) > before:
+                # In the order of the new numbers.
+                some = np.flatnonzero(number >= before)
+                rows = some[np.unique(number[some], return_index=True)[1]]
+                new.append(triangles.ordered(rows))
+                roots.append(surface.root[rows])
+        if not new:
+            return
+        joined = new[0].followed_by(new[1:])
+        errors = self.phong.errors(joined, np.concatenate(roots), self.shader.formats)
+        if len(self._drawn) < len(self._numbers):
+            self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 4))])
+        self._drawn[known : len(self._numbers)] = errors
+
     def drawn(self, triangles: ScreenTriangles, surface: Surface) -> PartErrors:
         """
         What the golden model draws, and how far its pixels are off; each part is drawn once with each orders.
@@ -183,19 +208,8 @@ class Planner:
         surface : Surface
           Whose parts they are.
         """
-        orders = triangles.orders
-        kinds = len(ORDER_NAMES) ** np.arange(orders.shape[1])
-        known = len(self._numbers)
-        number = self._numbers.numbers(surface.part, orders @ kinds)
-        new, first = np.unique(number, return_index=True)
-        rows = first[new >= known]
-        if len(rows):
-            errors = self.phong.errors(triangles.ordered(rows), surface.root[rows], self.shader.formats)
-            if len(self._drawn) < len(self._numbers):
-                self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 4))])
-            self._drawn[new[new >= known]] = errors
-        table = self._drawn[number]
-        return PartErrors(*table.T)
+        self.draw([(triangles, surface)])
+        return PartErrors(*self._drawn[self._number(triangles, surface)].T)
 
 
 @dataclass(frozen=True)
@@ -234,9 +248,18 @@ class Plan:
 
     def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
         self.planner, self.surface, self.decision = planner, surface, decision
-        given = decision.samples
-        self.samples = chosen_samples(surface.assessed, decision.orders) if given is None else given
-        self.triangles = planner.shader.screen_triangles(surface.projected, self.samples, decision.orders)
+
+    @cached_property
+    def samples(self) -> np.ndarray:
+        """(n, channels, 6) float64 what is drawn through."""
+        given = self.decision.samples
+        return chosen_samples(self.surface.assessed, self.decision.orders) if given is None else given
+
+    @cached_property
+    def triangles(self) -> ScreenTriangles:
+        """What the set-up takes."""
+        shader = self.planner.shader
+        return shader.screen_triangles(self.surface.projected, self.samples, self.decision.orders)
 
     @property
     def much_divided(self) -> bool:
@@ -251,13 +274,14 @@ class Plan:
         square = (self.decision.square * pixels).sum() / max(COLOURS * pixels.sum(), 1e-9)
         return float(np.sqrt(square + OUTPUT_ROUNDING**2 / 3))
 
+    @cached_property
     def drawn(self) -> PartErrors:
         """How far the golden model's pixels are off."""
         return self.planner.drawn(self.triangles, self.surface)
 
     def error(self, verify: bool) -> float:
         """The error by the plan's measure: drawn, or estimated."""
-        return self.drawn().by(self.planner.measure) if verify else self.estimated()
+        return self.drawn.by(self.planner.measure) if verify else self.estimated()
 
     def cost(self, unit: str) -> int:
         """What it takes, in ``bytes``, ``clocks`` or bytes on the ``line``."""
@@ -273,7 +297,7 @@ class Plan:
         shader = self.planner.shader
         if shader.state is None or not shader.state.tables.size:
             return 0
-        highest = int(self.drawn().highest.max(initial=-1))
+        highest = int(self.drawn.highest.max(initial=-1))
         return first_entry(highest, shader.state, shader.formats)
 
     @cached_property

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -32,6 +33,7 @@ class RefitPlan(Plan):
 
     fit = "minimax"
 
+    @cached_property
     def drawn(self) -> PartErrors:
         """How far the golden model's pixels are off."""
         errors = self.planner.phong.errors(self.triangles, self.surface.root, self.planner.shader.formats)
@@ -98,7 +100,7 @@ class Refit:
         plan : Plan
           What there is without; returned where nothing is cheaper.
         """
-        first = plan.drawn().largest <= self.max_error
+        first = plan.drawn.largest <= self.max_error
         old = Choices(plan.decision.orders.copy(), plan.samples.copy(), first)
         best = plan
         surfaces: list[Surface | None] = [plan.surface]
@@ -124,7 +126,7 @@ class Refit:
             decision = replace(decision, orders=choices.orders, samples=choices.samples)
             if choices.kept.all():
                 plan = RefitPlan(planner, surface, decision)
-                return plan if plan.drawn().largest.max(initial=0) <= self.max_error else None
+                return plan if plan.drawn.largest.max(initial=0) <= self.max_error else None
             wanting = ~choices.kept & (surface.assessed.pixels > 1)
             divided = divide(surface, replace(decision, wanting=wanting, forced=True), self.shader)
             if divided is surface:

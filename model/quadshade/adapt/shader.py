@@ -22,7 +22,7 @@ from quadshade.scene.subdivide import Edges, shared_edges
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
-from quadshade.shading.phong_loops import lit_mesh
+from quadshade.shading.phong_loops import LitMesh, lit_mesh
 from quadshade.shading.point_sets import PointSets, shade_sets, shared_points
 from quadshade.shading.sample import CHANNELS, full_scale, reflected
 
@@ -33,7 +33,7 @@ NUM_DIFFERENCES = np.array(DIFFERENCES_OF_ORDER)
 MORE_LINEAR = NUM_DIFFERENCES[LINEAR] - NUM_DIFFERENCES[CONSTANT]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Surface:
     """
     A mesh, divided or not, and how well each order would do on every triangle.
@@ -47,12 +47,15 @@ class Surface:
       What is found out for each triangle by itself.
     part : (n,) int64
       A number for each triangle: no two different ones that a shader has met have the same.
+    last : ((edges,) bool, Surface) or None
+      Edges that were split last, and what that made: plans for limits close together ask for the same ones.
     """
 
     projected: Projected
     root: np.ndarray
     assessed: Assessed
     part: np.ndarray
+    last: tuple[np.ndarray, Surface] | None = None
 
     @cached_property
     def edges(self) -> Edges:
@@ -224,9 +227,19 @@ class Shader:
         """The cheapest orders of (n, ...) triangles or parts of them, by (n,) goals."""
         raise NotImplementedError
 
+    @cached_property
+    def _whole_lit(self) -> LitMesh | None:
+        return lit_mesh(self.whole, self.lights, self.material, self.full)
+
+    def lit(self, projected: Projected) -> LitMesh | None:
+        """What the loops take to shade a mesh: see :func:`lit_mesh`."""
+        if projected is self.whole:
+            return self._whole_lit
+        return lit_mesh(projected, self.lights, self.material, self.full)
+
     def shade(self, projected: Projected, triangle: np.ndarray, sets: PointSets) -> np.ndarray:
         """(3, m) float64 true shading at points of (n,) int64 triangles."""
-        lit = lit_mesh(projected, self.lights, self.material, self.full)
+        lit = self.lit(projected)
         if lit is not None:
             return shade_sets(lit, triangle, sets)
         owner = np.repeat(triangle, sets.number)

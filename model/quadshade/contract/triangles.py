@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -56,6 +57,18 @@ class ScreenTriangles:
             self, vertices=self.vertices[order], samples=self.samples[order], orders=self.orders[order],
             depth=depth,
         )  # fmt: skip
+
+    def followed_by(self, others: Sequence[ScreenTriangles]) -> ScreenTriangles:
+        """These triangles and then others, of the same screen, channels and shade unit's state."""
+        if not others:
+            return self
+        every = (self, *others)
+        depth = None if self.depth is None else np.concatenate([one.depth for one in every])
+        vertices, samples, orders = (
+            np.concatenate([getattr(one, name) for one in every])
+            for name in ("vertices", "samples", "orders")
+        )
+        return replace(self, vertices=vertices, samples=samples, orders=orders, depth=depth)
 
 
 @dataclass

@@ -60,7 +60,6 @@ def _draw(
     shift = spare + layout.frac_bits
     # A column of these arrays is what one lane of the core holds.
     word, d_row, d_col, dd_row, dd_mixed, dd_col = np.empty((6, channels), np.int64)
-    span, step = np.empty((2, channels), np.int64)
     position = 0
     for packet in range(len(packets)):
         fields = packets[packet]
@@ -75,17 +74,17 @@ def _draw(
         for row in range(first_rows[packet], first_rows[packet + 1]):
             stop = position + pixels[row]
             column = start[row] - position
-            for channel in range(channels):
-                span[channel], step[channel] = word[channel], d_col[channel] + dd_col[channel]
             for index in range(position, stop):
                 packet_of[index] = packet
                 x[index] = ((column + index) & coord_mask) ^ mask
                 y[index] = scanline
-                for channel in range(channels):
-                    output = (span[channel] << spare) >> shift[channel]
-                    value[index, channel] = min(max(output, 0), limits[channel])
-                    span[channel] += step[channel]
-                    step[channel] += dd_col[channel]
+            for channel in range(channels):
+                span, more = word[channel], dd_col[channel]
+                step, lowest, limit = d_col[channel] + more, shift[channel], limits[channel]
+                for index in range(position, stop):
+                    value[index, channel] = min(max((span << spare) >> lowest, 0), limit)
+                    span += step
+                    step += more
             carry = carries[row] != 0 and not fractional
             for channel in range(channels):
                 if carry:

@@ -298,14 +298,15 @@ def _light_pixels(
 ) -> None:
     """Light at the centres of a triangle's pixels; ``out`` (m, 3) gets it from ``first`` on."""
     count = len(x)
-    corners = lit.vertices
-    x0, y0 = 2 * corners[triangle, 0, 0], 2 * corners[triangle, 0, 1]
-    ax, ay = 2 * corners[triangle, 1, 0] - x0, 2 * corners[triangle, 1, 1] - y0
-    bx, by = 2 * corners[triangle, 2, 0] - x0, 2 * corners[triangle, 2, 1] - y0
-    area = 1 / (ax * by - bx * ay)
+    corners, half = lit.vertices[triangle], 1 << bits
+    # Doubles hold these integers exactly; a vector has no products of 64 bits.
+    x0, y0 = float(2 * corners[0, 0] - half), float(2 * corners[0, 1] - half)
+    ax, ay = 2.0 * (corners[1, 0] - corners[0, 0]), 2.0 * (corners[1, 1] - corners[0, 1])
+    bx, by = 2.0 * (corners[2, 0] - corners[0, 0]), 2.0 * (corners[2, 1] - corners[0, 1])
+    area, pixel = 1 / (ax * by - bx * ay), 2.0 * half
     one, two, three = room[0], room[1], room[2]
     for i in range(count):
-        px, py = ((2 * x[i] + 1) << bits) - x0, ((2 * y[i] + 1) << bits) - y0
+        px, py = x[i] * pixel - x0, y[i] * pixel - y0
         two[i], three[i] = (px * by - bx * py) * area, (ax * py - px * ay) * area
         one[i] = 1 - two[i] - three[i]
     light_at(lit, triangle, count, room)

@@ -94,9 +94,9 @@ def shade_values(value: np.ndarray, given: ShadeGiven) -> np.ndarray:
     diffuse = channels - specular
     largest = (1 << value_bits) - 1
     out = np.empty((len(value), SHADED_COLOURS), np.int32)
-    level = np.empty(SHADED_COLOURS, np.int64)
+    shift = FACTOR_BITS - value_bits
     for index in range(len(value)):
-        level[:] = ambient
+        red, green, blue = ambient[0], ambient[1], ambient[2]
         for channel in range(channels):
             part = np.int64(value[index, channel])
             factor: Int = part << (FACTOR_BITS - lane_value_bits)
@@ -107,10 +107,12 @@ def shade_values(value: np.ndarray, given: ShadeGiven) -> np.ndarray:
                     factor = power << (FACTOR_BITS - POWER_BITS)
                 if gated >> number & 1 and number < diffuse and value[index, number] == 0:
                     factor = np.int64(0)
-            for colour in range(SHADED_COLOURS):
-                level[colour] += factor * coefficients[channel, colour] >> (FACTOR_BITS - value_bits)
-        for colour in range(SHADED_COLOURS):
-            out[index, colour] = min(level[colour] >> COEFFICIENT_FRAC_BITS, largest)
+            red += factor * coefficients[channel, 0] >> shift
+            green += factor * coefficients[channel, 1] >> shift
+            blue += factor * coefficients[channel, 2] >> shift
+        out[index, 0] = min(red >> COEFFICIENT_FRAC_BITS, largest)
+        out[index, 1] = min(green >> COEFFICIENT_FRAC_BITS, largest)
+        out[index, 2] = min(blue >> COEFFICIENT_FRAC_BITS, largest)
     return out
 
 
