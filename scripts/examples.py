@@ -19,6 +19,11 @@ import trimesh
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
+def scene_path(name: str) -> str:
+    """A generated scene as it is named, or a file of the examples."""
+    return name if ":" in name else str(EXAMPLES / name)
+
+
 def strip(count: int, inner: int, outer: int) -> np.ndarray:
     """
     Triangles between two closed rings of vertices, seen counter-clockwise with ``outer`` on the right.

@@ -30,10 +30,10 @@ from quadshade.trade import Point, View, pareto_front
 from quadshade.trade.grid import ALL
 from quadshade.trade.measure import measure
 from quadshade.trade.view import phong_picture, stage
+from scripts.examples import scene_path
 from scripts.experiments.report_writer import (
     LICENCE,
     REPORTS,
-    ROOT,
     command_line,
     output_option,
     paragraph,
@@ -46,7 +46,6 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import NullFormatter
 
 REPORT = REPORTS / "density.md"
-EXAMPLES = ROOT / "examples"
 SCENES = {
     "sphere:2760": "from=0,0,1,ortho=1.05",
     "torus:1152": "from=0,0,1",
@@ -82,11 +81,6 @@ LEAST_TRIANGLES = 24
 ERRORS = {"inner": (8.0, 4.0, 2.0, 1.0, 0.7, 0.5), "rms": (32.0, 16.0, 8.0, 4.0, 2.0, 1.0)}
 """Grey levels of root mean square that the tables ask for: within the outlines, and of the whole picture."""
 COSTS = {"line": "bytes on the line", "clocks": "clocks", "host": "host time"}
-
-
-def scene_path(name: str) -> str:
-    """A generated scene, or a file of the examples."""
-    return name if ":" in name else str(EXAMPLES / name)
 
 
 def lods(view: View) -> list[str]:

@@ -23,11 +23,11 @@ from quadshade.setup.packet import pack
 from quadshade.setup.triangle_setup import setup_triangles
 from quadshade.shading import Material, default_lights, sample, sample_specular, specular_formats
 from quadshade.shading.reference import phong, phong_at, polynomial
+from scripts.examples import scene_path
 from scripts.experiments.continuity.mach_bands import jumps
 from scripts.experiments.report_writer import (
     LICENCE,
     REPORTS,
-    ROOT,
     command_line,
     output_option,
     paragraph,
@@ -103,7 +103,7 @@ def accuracy(size: int) -> tuple[list[dict], list[dict]]:
     """A row a scene, exponent and fit: of colours, and of cosines."""
     rows, cosines = [], []
     for scene, camera in SCENES.items():
-        mesh = load_scene(str(ROOT / "examples" / scene) if "." in scene else scene)
+        mesh = load_scene(scene_path(scene))
         projected = project(mesh, parse_camera(camera, mesh), size, size)
         for exponent in EXPONENTS:
             material, about = Material(exponent=exponent), {"scene": scene, "exponent": exponent}

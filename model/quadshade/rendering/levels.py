@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from quadshade.choices import PHONG
 from quadshade.contract.formats import Formats
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.image import paint, visible
 from quadshade.rendering.settings import RenderSettings, Reports, reference_settings
-from quadshade.rendering.shade import ShownScene, adapted_scene, at_level
+from quadshade.rendering.shade import ShownScene, adapted_scene, at_level, show_scene
 from quadshade.scene.detail import levels
 
 if TYPE_CHECKING:
@@ -22,6 +23,17 @@ if TYPE_CHECKING:
 
 WORSE = 2
 """So many levels in a row that are worse than one with more triangles end the search."""
+
+
+def level_for_words(
+    settings: RenderSettings, drawer: str, reports: Reports, count_line: LineCount
+) -> tuple[Formats, ShownScene]:
+    """Formats, and the scene as it is drawn, for those who take words; ``drawer`` computes no Phong shading."""
+    formats = settings.checked()
+    if settings.scene.interpolation == PHONG:
+        raise QuadshadeError(f"the shading is phong, which no {drawer} computes", "use another --shading")
+    shown = show_scene(settings, formats, reports)
+    return formats, best_level(settings, shown, formats, reports, count_line)
 
 
 def best_level(

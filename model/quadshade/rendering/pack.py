@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quadshade.choices import PHONG, parse_pack_error
-from quadshade.errors import QuadshadeError
+from quadshade.choices import parse_pack_error
 from quadshade.packing.frame_file import FrameFile, encode_frame_file, pack_frame
 from quadshade.rendering.draw import adapt_note
-from quadshade.rendering.levels import best_level, level_note
+from quadshade.rendering.levels import level_for_words, level_note
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import default_count, shade_scene, show_scene
+from quadshade.rendering.shade import default_count, shade_scene
 
 
 @dataclass(frozen=True)
@@ -59,11 +58,8 @@ def pack_picture(
       As for :func:`quadshade.rendering.draw.render_picture`, or Phong shading.
     """
     reports = reports or Reports()
-    formats = settings.checked()
-    if settings.scene.interpolation == PHONG:
-        raise QuadshadeError("the shading is phong, which no board computes", "use another --shading")
     count = default_count(settings, parse_pack_error(pack_error))
-    scene = best_level(settings, show_scene(settings, formats, reports), formats, reports, count)
+    formats, scene = level_for_words(settings, "board", reports, count)
     reports.step(f"packing {len(scene.projected)} triangles")
     shaded = shade_scene(settings, scene, formats, reports, count)
     frame, batch = pack_frame(

@@ -9,19 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from quadshade.choices import PHONG
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw_words
-from quadshade.errors import QuadshadeError
 from quadshade.files.triangle_file import open_triangles
 from quadshade.files.word_file import write_words
 from quadshade.golden.compiled import EmittedPixels
 from quadshade.rendering.draw import adapt_note
 from quadshade.rendering.groups import SetupChoice
-from quadshade.rendering.levels import best_level, level_note
+from quadshade.rendering.levels import level_for_words, level_note
 from quadshade.rendering.settings import RenderSettings, Reports
-from quadshade.rendering.shade import default_count, shade_scene, show_scene
+from quadshade.rendering.shade import default_count, shade_scene
 from quadshade.setup import Primitives, pack, setup_triangles
 from quadshade.setup.packet import packet_words
 from quadshade.shading.sample import CHANNELS
@@ -165,12 +163,7 @@ def picture_words(settings: RenderSettings, reports: Reports | None = None) -> S
       As for :func:`quadshade.rendering.draw.render_picture`, or Phong shading.
     """
     reports = reports or Reports()
-    formats = settings.checked()
-    if settings.scene.interpolation == PHONG:
-        raise QuadshadeError("the shading is phong, which no core computes", "use another --shading")
-    scene = best_level(
-        settings, show_scene(settings, formats, reports), formats, reports, default_count(settings)
-    )
+    formats, scene = level_for_words(settings, "core", reports, default_count(settings))
     reports.step(f"setting {len(scene.projected)} triangles up")
     shaded = shade_scene(settings, scene, formats, reports)
     note = f"{level_note(scene)}{adapt_note(shaded)}"
