@@ -120,6 +120,16 @@ def test_the_last_worker_says_what_is_missing(address: str) -> None:
     assert 1 <= len(told) <= 2 and all(reason == "it is broken" for _, reason in told)
 
 
+def test_a_lost_scheduler_is_one_line(address: str) -> None:
+    with cluster.connect(address) as client:
+        results = cluster.stream(client, abs, range(40), "numbers", lambda *_: None)
+        assert next(results) == (0, 0)
+        # As Dask itself does where it cannot reach the scheduler any more.
+        client.close()
+        with pytest.raises(QuadshadeError, match=r"\d+ numbers are missing, as the Dask scheduler is lost"):
+            list(results)
+
+
 def test_bad_schedulers_and_workers_are_one_line(address: str, tmp_path: Path, monkeypatch) -> None:
     base = ("render", "cube:1", "-o", tmp_path / "a.png", "--dask")
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.5)

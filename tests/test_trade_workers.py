@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import signal
@@ -125,6 +126,9 @@ def test_another_server_is_no_scheduler(tmp_path: Path, monkeypatch: pytest.Monk
         run = trade("-o", tmp_path, "--fractions", "8", "--subdivisions", "none", "--dask", address)
     assert run.exit_code == 2
     assert told(run).startswith(f"quadshade: error: no Dask scheduler answers at {address}; start one by")
+    # One that is left open closes itself when it is collected, in any thread, and may wait there for ever.
+    clients = [one for one in gc.get_objects() if isinstance(one, Client)]
+    assert [client.status for client in clients if client.status != "closed"] == []
 
 
 def test_no_more_processes_than_points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import gc
+import logging
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -16,7 +16,11 @@ from quadshade.errors import QuadshadeError
 from quadshade.files.code_digest import code_digest
 
 CONNECT_SECONDS = 10
+CLOSE_SECONDS = 10
 HINT = "start one by `dask scheduler`, and workers by `dask worker ADDRESS`"
+
+LOGGERS = ("distributed.batched", "distributed.client", "distributed.core")
+"""Dask's own words, with tracebacks, about a line that broke, of which an error here says it in one line."""
 
 BOARD = "board"
 """Resource of workers that have a board: ``dask worker ADDRESS --resources board=1 --nthreads 1``."""
@@ -59,15 +63,18 @@ def connect(address: str) -> Any:
         from distributed import Client
     except ImportError:
         raise QuadshadeError("Dask is not installed", "run `pip install quadshade[dask]`") from None
-    client = None
+    for name in LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    # Made before it connects, so that one that cannot is closed here. Left alone it closes itself when it is
+    # collected, in whatever thread that happens: in its own, or that of another client, it would wait for ever.
+    client = Client.__new__(Client)
+    try:
+        Client.__init__(client, address, timeout=CONNECT_SECONDS)
     # The first bytes of what is no scheduler are taken for a length, which no memory holds.
-    with suppress(OSError, ValueError, TypeError, TimeoutError, MemoryError):
-        client = Client(address, timeout=CONNECT_SECONDS)
-    if client is None:
-        # A client that has failed closes itself when it is collected: here, since amid the start of the next
-        # one it would wait for that one's thread, for ever.
-        gc.collect()
-        raise QuadshadeError(f"no Dask scheduler answers at {address}", HINT)
+    except (OSError, ValueError, TypeError, MemoryError):
+        with suppress(OSError, ValueError, TypeError, AttributeError):
+            client.close(timeout=CLOSE_SECONDS)
+        raise QuadshadeError(f"no Dask scheduler answers at {address}", HINT) from None
     try:
         if not workers_of(client):
             raise QuadshadeError(f"the Dask scheduler at {address} has no workers", HINT)
@@ -144,7 +151,7 @@ def stream(
     Raises
     ------
     QuadshadeError
-      No worker is left: how many jobs are missing.
+      No worker is left, or no scheduler: how many jobs are missing.
     """
     from distributed import KilledWorker, as_completed
     from distributed.client import FutureCancelledError
@@ -199,6 +206,17 @@ def stream(
                     lost.add(result.worker)
                     reason = result.reason
                     lose(result.worker, reason)
+    except QuadshadeError:
+        raise
+    except Exception as problem:
+        # Whatever Dask raises where its line is gone: it has tried to reach the scheduler again by then.
+        if client.status == "running":
+            raise
+        missing = len(waiting) + len(running) + sum(1 for _ in given)
+        raise QuadshadeError(
+            f"{missing} {what} are missing, as the Dask scheduler is lost: {problem}", HINT
+        ) from None
     finally:
-        for one in running:
-            one.cancel()
+        if client.status == "running":
+            for one in running:
+                one.cancel()
