@@ -176,13 +176,15 @@ def test_ports() -> None:
             parse_ports(wrong)
 
 
-def test_wrong_ports_are_one_line(tmp_path: Path) -> None:
+def test_wrong_ports_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     device, link = tmp_path / "tty", tmp_path / "link"
     device.touch()
     link.symlink_to(device)
     base = ("render", "cube:1", "-o", tmp_path / "a.png")
     for words, said in (
         (("--port", device, "--port", link), "is given twice"),
+        (("--port", "tty", "--port", device), "is given twice"),
         (("--port", "sim:0"), "sim:1 to sim:64"),
         (("--port", "sim:2", "--port", tmp_path / "none"), "none"),
         (("--port", "sim", "--size", "9000x9000", "--engine", "model"), "8192x8192"),

@@ -116,6 +116,17 @@ def test_the_last_board_says_how_many_frames_are_missing(tmp_path: Path, model: 
     assert all(map(np.array_equal, pictures(tmp_path), model))
 
 
+def test_a_film_may_be_larger_than_a_cores_usual_coordinates() -> None:
+    asked = {"frames": 2, "size": (5000, 3), "errors": False, "engine": "model"}
+    film = quadshade.turn("cube:2", port="sim", **asked)
+    assert np.array_equal(
+        film[1].array, quadshade.turn("cube:2", generics={"coord_bits": 13}, **asked)[1].array
+    )
+    assert film[1].array.any()
+    with pytest.raises(QuadshadeError, match="9000x3 pixels; give 1x1 to 8192x8192"):
+        quadshade.turn("cube:2", port="sim", **asked | {"size": (9000, 3)})[1]
+
+
 def test_no_board_is_lost_of_a_frame_that_cannot_be_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

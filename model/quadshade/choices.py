@@ -234,7 +234,7 @@ def parse_ports(value: Any) -> tuple[Any, ...]:
     for port in ports:
         if simulated_board(port) is None:
             # Two names may be links to one device.
-            place = os.path.realpath(port) if isinstance(port, str) and port.startswith("/") else port
+            place = os.path.realpath(port) if isinstance(port, str) and os.path.exists(port) else port
             if place in seen.values():
                 raise QuadshadeError(f"the port {port} is given twice", "give it once")
             seen[port] = place

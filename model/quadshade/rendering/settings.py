@@ -145,7 +145,9 @@ class RenderSettings:
 
         scene, shading = self.scene, self.scene.interpolation
         formats = Formats().with_generics(self.core_generics)
-        check_size(*scene.pixels, formats)
+        if self.port.port is None:
+            # Boards draw larger pictures in tiles, and say themselves what is too large.
+            check_size(*scene.pixels, formats)
         if not self.adapt.is_adaptive:
             _check_orders(shading, formats)
         elif not formats.with_shade:
