@@ -234,6 +234,13 @@ def test_what_the_unit_cannot_hold_is_refused(arguments: tuple, message: str) ->
         shade_state(FORMATS["default"], *arguments)
 
 
+def test_ambient_light_is_clipped_to_what_is_shown() -> None:
+    """As much less than none is none, and more than white is white."""
+    made = [shade_state(TINY, ambient, [[0.5, 0.3, 1], [0.4, 0, 0.7]], [power_curve(3)]).ambient.tolist()
+            for ambient in ([-0.25, 0, 1.5], [0, 0, 1])]  # fmt: skip
+    assert made[0] == made[1]
+
+
 @pytest.mark.parametrize(
     "generics",
     [

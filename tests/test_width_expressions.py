@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from quadshade.contract.arrays import record_dtype
+from quadshade.contract.axis import pixel_bytes, pixel_data_bytes
 from quadshade.contract.formats import DERIVED, Formats
 from quadshade.contract.width_expressions import DerivedWidth, evaluate
+from quadshade.errors import QuadshadeError
 from quadshade.setup.edges import EDGE_STATE, EdgeState
 
 
@@ -49,3 +51,22 @@ def test_derived_widths_are_attributes_with_a_meaning() -> None:
 def test_records_have_the_columns_of_their_class() -> None:
     assert EDGE_STATE.names == tuple(EdgeState.__annotations__)
     assert record_dtype(EdgeState) == np.dtype([(name, np.int64) for name in EDGE_STATE.names])
+
+
+@pytest.mark.parametrize(
+    ("generics", "hint"),
+    [
+        ({"num_channels": 9}, "give a value from 1 to 8"),
+        ({"frac_bits": 23}, "give a value from 0 to word_width - value_bits - 2 = 22"),
+    ],
+)
+def test_limits_are_named(generics: dict[str, int], hint: str) -> None:
+    with pytest.raises(QuadshadeError) as refused:
+        Formats(**generics)
+    assert refused.value.hint == hint
+
+
+def test_a_pixel_takes_the_next_power_of_two_of_bytes() -> None:
+    sizes = [Formats(num_channels=channels) for channels in (1, 2, 3)]
+    found = {pixel_bytes(formats): pixel_data_bytes(formats) for formats in sizes}
+    assert found == {7: 8, 8: 8, 9: 16}

@@ -101,7 +101,8 @@ def scanlines(bench: Bench) -> Iterator[Line | None]:
             carry = int(bench.chance(0.5))
             yield Line(words, row == 0, carry, list(lane.span(bench.draw.randint(0, longest))))
             lane.step(carry)
-        yield from [None] * max(LEAST_APART - rows, 0)
+        # Often so many that all before is out: then pixels come behind bubbles, before a stalled output.
+        yield from [None] * max(LEAST_APART - rows, bench.draw.choice((0, 0, 9)))
 
 
 @dataclass

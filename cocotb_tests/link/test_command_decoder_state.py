@@ -230,6 +230,32 @@ async def a_change_of_rate_is_forgotten(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
+async def reset_beside_a_reset(dut: Any) -> None:
+    """RESET resets what is drawn with, in one cycle; not where the board is reset in the cycle before."""
+    bench = Bench(dut, Config, "reset_beside_a_reset")
+    board = Board(bench)
+    await board.start()
+    line, after = enclosed(body_of(Opcode.RESET, 0, bytes(4))), 0
+    await board.send(line)
+    while not dut.core_reset.value and after < 40:
+        await board.wait(1)
+        after += 1
+    bench.check("RESET resets", after < 40, True)
+    await board.quiet_for(60)
+    for early in (3, 2, 1):
+        board = Board(bench)
+        await board.send(line)
+        await board.wait(after - early)
+        dut.reset.value = 1
+        await board.wait(1)
+        dut.reset.value = 0
+        for _ in range(5):
+            await board.wait(1)
+            bench.check("core_reset behind a reset", int(dut.core_reset.value), 0, early)
+    bench.finish(at_least=16)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def resets(dut: Any) -> None:
     """In any cycle of any command: rate, session, numbers, counters and all that waits are as at first."""
     bench = Bench(dut, Config, "resets")

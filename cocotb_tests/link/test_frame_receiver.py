@@ -224,7 +224,7 @@ async def frames(dut: Any, source: str) -> None:
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def numbers_come_round(dut: Any) -> None:
-    """More frames than there are numbers; some are sent again, or ahead of their turn."""
+    """More frames than there are numbers; some are sent again, or ahead of their turn, two in a row."""
     bench = Bench(dut, Config, "numbers_come_round")
     await bench.start(*INPUTS)
     line = Line(bench, "full_speed")
@@ -232,8 +232,9 @@ async def numbers_come_round(dut: Any) -> None:
         body = body_of(Opcode.TRIANGLES, line.model.expected, bench.draw.randbytes(4))
         await line.frame(index, body)
         if index % 7 == 0:
-            ahead = bench.draw.choice((-127, -128, -1, 1, 2, 127))
-            await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected + ahead, bytes(4)))
+            number = line.model.expected + bench.draw.choice((-127, -128, -1, 1, 2, 127))
+            for after in (number, number + 1):
+                await line.frame(index, body_of(Opcode.TRIANGLES, after, bytes(4)))
     bench.finish(at_least=270)
 
 
@@ -271,6 +272,8 @@ async def every_request_and_fault(dut: Any) -> None:
     if not bench.config.with_swap:
         wanted = [one for one in wanted if one[1] != Opcode.SWAP.name]
     for index, (state, request, fault) in enumerate(wanted):
+        # Behind a gap too, each case has other numbers.
+        await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected, words))
         ahead = 0 if state == "in order" else 3
         await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected + ahead, words))
         body = faulty(bench, Opcode[request], fault, line.model.expected)
@@ -278,7 +281,8 @@ async def every_request_and_fault(dut: Any) -> None:
         await line.frame(index, body, fault != "damaged", fault == "no room")
         after = line.cover.hits[state, request, fault]
         bench.check("the fault that was meant", after, before + 1, index, (state, request, fault))
-        # What was refused between them ends no run of numbers behind a gap.
+        # What was refused between them ends no run of numbers behind a gap, nor does a payload too long.
+        await line.frame(index, body_of(Opcode.HELLO, index, bytes(4)))
         await line.frame(index, body_of(Opcode.TRIANGLES, line.model.expected + ahead + 1, words))
     line.cover.save()
     bench.finish(at_least=100)

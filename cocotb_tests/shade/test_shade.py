@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import cocotb
+import numpy as np
 import pytest
 
 from cocotb_tests.support.bench import SPEEDS, UNKNOWN, Bench, StreamSink, StreamSource
@@ -15,7 +16,7 @@ from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import COEFFICIENT_FRAC_BITS, FACTOR_BITS, Formats
 from quadshade.contract.shade_state import ShadeState, colour_state, power_curve, shade_state
-from quadshade.golden.shade.shade import shade
+from quadshade.golden.shade.shade import factors, products, shade
 from tests.support.shade_stimuli import random_state, random_values
 
 INPUTS = ("state_valid", "state_address", "state_data", "pixel_valid", "pixel_value", "pixel_along")
@@ -194,6 +195,31 @@ async def sums_at_the_largest(dut: Any) -> None:
         unit.load(dataclasses.replace(state, linear=(1 << formats.num_specular) - 1, gated=0), tables=False)
         await unit.settle()
         unit.offer_values([[lane] * formats.num_channels, [lane - 1] * formats.num_channels])
+        await unit.settle()
+    unit.finish()
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def the_lowest_bits_decide(dut: Any) -> None:
+    """Sums on the border of two colours, or one below it: a unit of a product or of the ambient one shows."""
+    bench = Bench(dut, Config, "the_lowest_bits_decide")
+    await bench.start(*INPUTS, "shaded_ready")
+    unit, formats = Unit(bench, "full_speed", "full_speed"), bench.config.formats
+    unit.load(random_state(formats, bench.rng))
+    await unit.settle()
+    top = (1 << formats.value_bits) - 1
+    for _ in range(40):
+        state = dataclasses.replace(random_state(formats, bench.rng), tables=unit.latest.tables)
+        most = (1 << (COEFFICIENT_FRAC_BITS - 1)) // formats.num_channels
+        state.coefficients[:] = bench.rng.integers(0, most, state.coefficients.shape)
+        (pixel,) = random_values(formats, bench.rng, 1).tolist()
+        parts = zip(factors(pixel, state, formats), state.coefficients.tolist(), strict=True)
+        sums = np.sum([products(factor, row, formats) for factor, row in parts], axis=0)
+        wholes = [bench.draw.randint(1 + (part >> COEFFICIENT_FRAC_BITS), top) for part in sums.tolist()]
+        state.ambient[:] = (np.array(wholes) << COEFFICIENT_FRAC_BITS) - bench.bits(1) - sums
+        unit.load(state, tables=False)
+        await unit.settle()
+        unit.offer_values([pixel])
         await unit.settle()
     unit.finish()
 

@@ -70,6 +70,7 @@ GROUPS = {
             "link_frames",
             "shade_file",
             "golden_shade",
+            "link_packing",
             "lint::test_generated_package_is_current",
             "habits::test_version_is_a_release_with_its_definition",
         ),

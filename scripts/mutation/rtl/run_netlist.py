@@ -27,8 +27,8 @@ from scripts.mutation.rtl.results import Result
 from scripts.mutation.rtl.simulate_case import Ran, run_verilog
 
 PORT_BITS = 16
-NO_HARDWARE = re.compile(r"-cell \$memrd\S* -port EN")
-"""A memory's reading without a clock has no enable, and Yosys aborts where it is given one."""
+NO_HARDWARE = re.compile(r"-cell (\$memrd\S* -port EN|\$meminit)")
+"""A memory's reading without a clock has no enable, nor has what it holds at first: Yosys aborts there."""
 
 
 @dataclass(frozen=True)
@@ -110,9 +110,9 @@ class NetlistRun:
             f"{mutant.options} -ctrl {PORT} {PORT_BITS} {number}"
             for number, mutant in enumerate(mutants, start=1)
         ]
-        # A register whose output is changed loses its value at power-up.
+        # A register whose output is changed loses its value at power-up: with inverters every one is 0.
         values = "setundef -zero -init t:$dff"
-        run_yosys([*self.read, *chosen, values, "write_verilog -noattr mutants.v"], self.folder)
+        run_yosys([*self.read, "zinit -all", *chosen, values, "write_verilog -noattr mutants.v"], self.folder)
         return self.folder / "mutants.v"
 
     def own(self, mutants: Sequence[NetlistMutant]) -> Iterator[Result]:
@@ -144,7 +144,7 @@ class NetlistRun:
 
     def prove(self, mutant: NetlistMutant, survivor: Result) -> Result:
         """The survivor as equivalent, if a proof says so."""
-        run_yosys([*self.read, mutant.options, "write_verilog -noattr one.v"], self.folder)
+        run_yosys([*self.read, "zinit -all", mutant.options, "write_verilog -noattr one.v"], self.folder)
         gold, gate = ((self.folder / name).read_text() for name in ("clean.v", "one.v"))
         if proved(gold, gate, self.unit, self.folder / "proof"):
             return replace(survivor, verdict="equivalent", stage="proof", by="1 netlist", detail="")
