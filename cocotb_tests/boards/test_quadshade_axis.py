@@ -46,7 +46,7 @@ CONFIGS = [
     Config(
         num_channels=1, max_order=1, with_depth=0, depth_bits=1, value_bits=4, coord_bits=6, stream_width=64
     ),
-    Config(num_channels=4, value_bits=10, frac_bits=18, depth_bits=20, coord_bits=8, stream_width=128),
+    Config(num_channels=4, value_bits=9, frac_bits=18, depth_bits=20, coord_bits=8, stream_width=128),
 ]
 
 
