@@ -56,6 +56,19 @@ def _hold_one(
             value = best[p]
 
 
+@njit(cache=True)
+def _hold_column(need: Ints, count: Ints, below: Ints, is_top: bool, change: int, out: Ints) -> None:
+    """As :func:`_hold_one`, of values as they are; ``out`` stays where no packet sends a field."""
+    lowest, highest = NEVER, -NEVER
+    for p in range(len(need)):
+        if count[p] > 0:
+            lowest, highest = min(lowest, need[p]), max(highest, need[p])
+    if highest >= lowest:
+        # No other value is ever the cheapest.
+        _hold_one(need - lowest, count, below - lowest, is_top, change, 1 + highest - lowest, out)
+        out += lowest
+
+
 def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats: Formats) -> np.ndarray:
     """
     Values of widths over the packets, each held as long as that takes the fewest bits.
@@ -76,23 +89,10 @@ def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats:
     """
     change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
     out = np.zeros(need.shape[::-1], np.int64).T
+    lower = need if below is None else below
     for index in range(need.shape[1]):
-        asked = need[count[:, index] > 0, index]
-        if not len(asked):
-            continue
-        # No other value is ever the cheapest.
-        lowest, values = asked.min(), 1 + asked.max() - asked.min()
-        column = np.zeros(len(need), np.int64)
-        _hold_one(
-            need[:, index] - lowest,
-            np.ascontiguousarray(count[:, index]),
-            column if below is None else below[:, index] - lowest,
-            below is not None,
-            change,
-            values,
-            column,
-        )
-        out[:, index] = column + lowest
+        needed, counted, least = (np.ascontiguousarray(table[:, index]) for table in (need, count, lower))
+        _hold_column(needed, counted, least, below is not None, change, out.T[index])
     return out
 
 
