@@ -186,7 +186,7 @@ class _Points:
             self._colours("middle", np.array(point) - ((np.array(first) + np.array(second))[3:] >> 1))
 
     def _order(self, corners: list[tuple], middles: dict[frozenset[int], tuple], curved: bool) -> tuple:
-        """The corner of the last triangle that this one drops, 3 for no edge in common; its corners' order."""
+        """Which corner of the last triangle this one drops, 3 for no edge in common; its corners' order."""
         for drop in range(3) if self._last and (self._last[2] or not curved) else ():
             before, middles_before, _ = self._last
             kept = [before[corner] for corner in range(3) if corner != drop]
@@ -282,19 +282,21 @@ def report(rows: list[dict]) -> str:
 {LICENCE}
 # Bytes on the line, part by part
 
-Written by `make linkbytes`; {WIDTH}x{HEIGHT}, in perspective, packed to {PACK_ERROR:g} grey levels, without frames.
+Written by `make linkbytes`; {WIDTH}x{HEIGHT}, in perspective, packed to {PACK_ERROR:g} grey levels, without
+frames.
 
 - Packed: the packets of [packing.md](../reference/packing.md). Connectivity is what says which numbers come.
-- Points: a line that would send corners and edge middles, each once for the triangles that have it, as long as it
-  is among the last {TABLE}: x and y in sub-pixels, depth in whole units, colours in units of 1/{LEVEL} grey level,
-  each predicted, and what is left in a Rice code. Such a line needs the set-up on the board.
+- Points: a line that would send corners and edge middles, each once for the triangles that have it, as long
+  as it is among the last {TABLE}: x and y in sub-pixels, depth in whole units, colours in units of 1/{LEVEL} grey
+  level, each predicted, and what is left in a Rice code. Such a line needs the set-up on the board.
 - Points, fixed widths: every point once, connectivity in two bits a triangle, and no code at all.
-- Entropy: that of a part's values, kind by kind, each by itself. Of few values it is less than any code needs.
+- Entropy: that of a part's values, kind by kind, each by itself. Of few values it is less than any code
+  needs.
 
 {table}
 
-Where neighbours have corners in common, no code of the packets' own numbers comes near the points: what edges,
-depth and colours share are those corners. The gear of part.stl has flat faces, whose corners have colours of
+Where neighbours have corners in common, no code of the packets' own numbers comes near the points: what
+edges, depth and colours share are those corners. The gear of part.stl has flat faces, whose corners have colours of
 their own.
 """
 
