@@ -288,7 +288,8 @@ frames.
 - Packed: the packets of [packing.md](../reference/packing.md). Connectivity is what says which numbers come.
 - Points: a line that would send corners and edge middles, each once for the triangles that have it, as long
   as it is among the last {TABLE}: x and y in sub-pixels, depth in whole units, colours in units of
-  1/{LEVEL} grey level, each predicted, and what is left in a Rice code. Such a line needs the set-up on the board.
+  1/{LEVEL} grey level, each predicted, and what is left in a Rice code. Such a line needs the set-up on the
+  board.
 - Points, fixed widths: every point once, connectivity in two bits a triangle, and no code at all.
 - Entropy: that of a part's values, kind by kind, each by itself. Of few values it is less than any code
   needs.
