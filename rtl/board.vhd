@@ -38,14 +38,17 @@ entity board is
     with_edge_map : natural := 0;
     -- A framebuffer of single-port memory, with painter's order: see single_port_ram.
     single_port_memory : natural := 0;
-    -- 1: what scan_out makes of the picture, for a monitor of 640 x 480 and a clock of 100 MHz.
+    -- 1: what scan_out makes of the picture, for a monitor of 640 x 480: 25 million pixels a second.
     with_video : natural := 0;
+    clocks_per_pixel : positive := 4;
     -- 2: one buffer is shown while the other is drawn, until SWAP.
     buffers : positive := 1;
     -- Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
     colour_bits : positive := 8;
     -- pixel_packer, so that reading takes fewer bytes on the line.
     with_packed_read : natural := 1;
+    -- Words of a block of the device's memory, a bit wide: see block_ram.
+    bank_words : positive := 16384;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
     -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
@@ -241,7 +244,8 @@ begin
       width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
       with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
       single_port_memory => single_port_memory, with_video => with_video, buffers => buffers,
-      colour_bits => colour_bits, crc_cycles => crc_cycles
+      colour_bits => colour_bits, crc_cycles => crc_cycles, clocks_per_pixel => clocks_per_pixel,
+      bank_words => bank_words
     )
     port map (
       clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,

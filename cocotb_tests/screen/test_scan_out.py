@@ -50,7 +50,7 @@ CONFIGS = [
     Config(),
     Config(num_channels=1, read_stages=3, clocks_per_pixel=5),
     Config(width=24, height=18, clocks_per_pixel=1),
-    Config(width=4, height=3),
+    Config(width=4, height=3, clocks_per_pixel=2),
 ]
 
 

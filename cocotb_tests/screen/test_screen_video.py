@@ -31,7 +31,6 @@ FIRST, LAST = 16, 36
 """Lines that are compared; before them the memory is filled and drawn into."""
 READ = 24
 """Line in which others read."""
-PIXEL_NS = 4 * PERIOD_NS
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,13 @@ class Config:
     with_video: int = 1
     buffers: int = 1
     colour_bits: int = 8
+    clocks_per_pixel: int = 4
+    bank_words: int = 16384
+
+    @property
+    def pixel_ns(self) -> float:
+        """A pixel, in the simulation's time."""
+        return self.clocks_per_pixel * PERIOD_NS
 
     def kept(self, picture: np.ndarray) -> np.ndarray:
         """A picture as it is shown, (h, w, 3) uint8."""
@@ -52,7 +58,13 @@ class Config:
         return kept_colours(picture, thresholds(x, y), self.colour_bits).astype(np.uint8)
 
 
-@pytest.mark.parametrize("config", [Config(), Config(with_depth=0, buffers=2, colour_bits=4)], ids=identifier)
+CONFIGS = [
+    Config(),
+    Config(with_depth=0, buffers=2, colour_bits=4, clocks_per_pixel=2, bank_words=4096),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
 def test_screen_video(config: Config) -> None:
     simulate("screen", config, tests="screen_video")
 
@@ -95,7 +107,9 @@ class Monitor:
 
     def place(self) -> int:
         """The place of the word that came last."""
-        return 0 if self.begin is None else int((get_sim_time("ns") - self.begin) // PIXEL_NS)
+        return (
+            0 if self.begin is None else int((get_sim_time("ns") - self.begin) // self.bench.config.pixel_ns)
+        )
 
     async def until(self, line: int) -> None:
         """Up to a line, of all since reset."""
@@ -198,7 +212,7 @@ async def a_swap_shows_it(dut: Any) -> None:
     await bench.edge()
     bench.check("idle", bool(dut.idle.value), True)
     frame = TIMING.all_lines * TIMING.all_columns
-    await Timer((frame - 2 - monitor.place()) * PIXEL_NS, "ns")
+    await Timer((frame - 2 - monitor.place()) * config.pixel_ns, "ns")
     monitor.watching = True
     cocotb.start_soon(monitor.watch())
 

@@ -24,7 +24,9 @@ entity depth_test is
     height : positive := 240;
     coord_bits : positive := 12;
     value_bits : positive := 24;
-    depth_bits : positive := 16
+    depth_bits : positive := 16;
+    -- Of block_ram.
+    bank_words : positive := 16384
   );
   port (
     clk : in std_ulogic;
@@ -239,7 +241,9 @@ begin
   write_data(depth_bits - 1 downto 0) <= std_ulogic_vector(depth_8);
 
   memory_inst : entity work.block_ram
-    generic map (num_words => num_words, data_bits => stored_bits, read_stages => 5)
+    generic map (
+      num_words => num_words, data_bits => stored_bits, bank_words => bank_words, read_stages => 5
+    )
     port map (
       clk => clk,
       write_enable => write_enable, write_address => write_address, write_data => write_data,

@@ -27,7 +27,9 @@ entity framebuffer is
     -- 2: one is drawn while the other is shown.
     buffers : positive := 1;
     -- 8, or of a value of whole bytes 6 (channel 1 five) or 4: see screen_pkg.
-    colour_bits : positive := 8
+    colour_bits : positive := 8;
+    -- Of block_ram.
+    bank_words : positive := 16384
   );
   port (
     clk : in std_ulogic;
@@ -139,7 +141,9 @@ begin
 
   two_ports_gen : if single_port = 0 and buffers = 1 generate
     memory_inst : entity work.block_ram
-      generic map (num_words => num_words, data_bits => data_bits, read_stages => 5)
+      generic map (
+        num_words => num_words, data_bits => data_bits, bank_words => bank_words, read_stages => 5
+      )
       port map (
         clk => clk,
         write_enable => write_enable, write_address => write_address, write_data => write_data,
@@ -191,7 +195,9 @@ begin
       address <= show_address when shows = '1' else read_address;
 
       memory_inst : entity work.block_ram
-        generic map (num_words => num_words, data_bits => data_bits, read_stages => 5)
+        generic map (
+          num_words => num_words, data_bits => data_bits, bank_words => bank_words, read_stages => 5
+        )
         port map (
           clk => clk,
           write_enable => writes, write_address => write_address, write_data => write_data,

@@ -28,11 +28,14 @@ entity screen is
     single_port_memory : natural := 0;
     -- 1: what scan_out makes of the picture, for a monitor.
     with_video : natural := 0;
+    clocks_per_pixel : positive := 4;
     -- Of framebuffer; with two buffers what is read is that which is drawn, beside the monitor.
     buffers : positive := 1;
     colour_bits : positive := 8;
     -- Of crc32.
-    crc_cycles : positive := 1
+    crc_cycles : positive := 1;
+    -- Of block_ram.
+    bank_words : positive := 16384
   );
   port (
     clk : in std_ulogic;
@@ -150,7 +153,7 @@ begin
     depth_inst : entity work.depth_test
       generic map (
         width => width, height => height, coord_bits => coord_bits, value_bits => value_bits,
-        depth_bits => depth_bits
+        depth_bits => depth_bits, bank_words => bank_words
       )
       port map (
         clk => clk, reset => reset, clear => clear, busy => open, drained => clear_picture,
@@ -182,7 +185,8 @@ begin
   framebuffer_inst : entity work.framebuffer
     generic map (
       width => width, height => height, coord_bits => coord_bits, value_bits => value_bits,
-      single_port => single_port_memory, buffers => buffers, colour_bits => colour_bits
+      single_port => single_port_memory, buffers => buffers, colour_bits => colour_bits,
+      bank_words => bank_words
     )
     port map (
       clk => clk, reset => reset, clear => clear_picture,
@@ -276,7 +280,9 @@ begin
 
   video_gen : if with_video = 1 generate
     scan_inst : entity work.scan_out
-      generic map (width => width, height => height, num_channels => num_channels)
+      generic map (
+        width => width, height => height, num_channels => num_channels, clocks_per_pixel => clocks_per_pixel
+      )
       port map (
         clk => clk, reset => reset, may_read => scan_free, blank => blank, reads => scan_reads,
         read_address => scan_address, read_value => scan_value, word_next => video_next, words => video_words

@@ -25,6 +25,8 @@ ALLOWED: dict[str, Collection[int]] = {
     "single_buffer": (0, 1),
     "most_counter_bits": range(1, 33),
     "crc_cycles": (1, 2, 4, 8),
+    "clocks_per_pixel": range(1, 17),
+    "bank_words": tuple(1 << bits for bits in range(8, 17)),
 }
 """Values of the board's own generics, those of sizes and rates apart."""
 
@@ -64,6 +66,10 @@ class BoardSettings:
       STATUS's counters wrap at that many bits, 1 to 32.
     crc_cycles : int
       Clocks that a byte of a CRC takes: a divisor of 8.
+    clocks_per_pixel : int
+      Of the monitor: 25 million pixels a second need 4 at 100 MHz.
+    bank_words : int
+      Words of a block of the device's memory, a bit wide: a power of two from 256 to 65536.
 
     Raises
     ------
@@ -86,6 +92,8 @@ class BoardSettings:
     most_counter_bits: int = 32
     single_buffer: int = 0
     crc_cycles: int = 1
+    clocks_per_pixel: int = 4
+    bank_words: int = 16384
 
     def __post_init__(self) -> None:
         limit = 1 << self.formats.coord_bits
