@@ -107,8 +107,8 @@ architecture rtl of board is
   signal line_data, send_data : std_ulogic_vector(7 downto 0);
   signal phase_step : u_unsigned(phase_bits - 1 downto 0);
 
-  signal link_reset, core_reset : std_ulogic;
-  signal everything_idle : std_ulogic := '0';
+  signal link_reset : std_ulogic;
+  signal core_reset, everything_idle : std_ulogic := '0';
   signal packed_valid, packed_ready, unpacking, setup_valid, setup_ready, core_done : std_ulogic;
   signal packed_data, setup_data : std_ulogic_vector(31 downto 0);
 
@@ -195,14 +195,15 @@ begin
       frame_crc_done => crc_done, frame_crc_value => crc_value
     );
 
-  core_reset <= reset or link_reset;
   drawing_done <= core_done and not unpacking;
 
-  -- A register, for the two are far apart; a command comes later than that after the one before it.
+  -- Registers, for the units are far apart. A command comes later than that after the one before it, and the
+  -- link, which is reset a clock earlier, gives nothing then.
   settled : process (clk)
   begin
     if rising_edge(clk) then
       everything_idle <= drawing_done and screen_idle;
+      core_reset <= reset or link_reset;
     end if;
   end process;
 
@@ -236,7 +237,8 @@ begin
       idle => core_done
     );
 
-  pixel_done <= drawn_valid and drawn_ready;
+  -- What the core still gives in the clock of its reset is counted by nobody.
+  pixel_done <= drawn_valid and drawn_ready and not core_reset;
   primitive_done <= pixel_done and drawn_last;
 
   picture : entity work.screen

@@ -110,7 +110,9 @@ architecture rtl of screen is
   signal x, y, area_x, area_y : coord_t := (others => '0');
   signal columns, area_width : u_unsigned(coord_bits downto 0) := (others => '0');
   signal count : u_unsigned(count_bits - 1 downto 0) := (others => '0');
-  signal starting, reader_reset, take_read, take_crc : std_ulogic;
+  signal starting, take_read, take_crc : std_ulogic;
+  -- A register, which reaches units that are far apart: with `ends`, and a clock after a reset.
+  signal reader_reset : std_ulogic := '0';
 
   signal memory_enable : std_ulogic;
   signal memory_address, area_address, scan_address : u_unsigned(address_width - 1 downto 0);
@@ -208,6 +210,7 @@ begin
   begin
     if rising_edge(clk) then
       frame_crc_done <= '0';
+      reader_reset <= '0';
       -- No case statement: GHDL 2.0 gives one of four places no default, and Yosys a latch.
       if place = rest then
         x <= resize(read_x, coord_bits);
@@ -237,9 +240,11 @@ begin
       elsif place = runs then
         if byte_valid = '1' and byte_ready = '1' and byte_last = '1' then
           place <= ends;
+          reader_reset <= '1';
         end if;
       else
         -- What was read beyond the area is forgotten.
+        reader_reset <= crc_busy;
         if crc_busy = '0' then
           frame_crc_done <= summing;
           place <= rest;
@@ -248,12 +253,12 @@ begin
       if reset = '1' or read_reset = '1' then
         place <= rest;
         frame_crc_done <= '0';
+        reader_reset <= '1';
       end if;
     end if;
   end process;
 
   starting <= '1' when place = begins else '0';
-  reader_reset <= '1' when reset = '1' or read_reset = '1' or place = ends else '0';
   area_x <= x when plane(1) = '0' else (others => '0');
   area_y <= y when plane(1) = '0' else (others => '0');
   area_width <= columns when plane(1) = '0' else to_unsigned(width, coord_bits + 1);
@@ -272,7 +277,7 @@ begin
       crc => open
     );
 
-  resting <= '1' when place = rest else '0';
+  resting <= '1' when place = rest and reader_reset = '0' else '0';
   -- With two buffers the monitor has a port of its own.
   memory_address <= scan_address when scan_reads = '1' and buffers = 1 else area_address;
   scan_free <= resting when buffers = 1 else '1';
@@ -375,7 +380,7 @@ begin
     );
 
   byte_ready <= not crc_busy when summing = '1' else read_data_ready;
-  read_data_valid <= byte_valid and not summing;
+  read_data_valid <= byte_valid and not summing and not reader_reset;
   read_data <= byte_data;
   byte_summed <= byte_valid and summing and not crc_busy;
 
