@@ -15,6 +15,7 @@ PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED
 
 # Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
 # large enough for a monitor takes too long; in cells of ECP5 also the core with the shade unit and the board.
+# Of Gowin the core alone: Yosys has no model of its block RAM.
 WHOLE := raster_core or quadshade_axis or screen_video
 MAPPED_TESTS := (default and not ($(WHOLE))) or (raster_core and depth_bits)
 LARGE := render_core or board
@@ -62,6 +63,7 @@ test-netlist: setup ## run the cocotb tests on GHDL's netlist, some with unknown
 	@QUADSHADE_NETLIST=unknown $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS) or ($(UNKNOWN_TESTS)))'
 	@QUADSHADE_NETLIST=ice40 $(PYTEST) cocotb_tests -k '$(or $(T),$(MAPPED_TESTS))'
 	@QUADSHADE_NETLIST=ecp5 $(PYTEST) cocotb_tests -k '($(or $(T),$(MAPPED_TESTS))) and not ($(LARGE))'
+	@QUADSHADE_NETLIST=gowin $(PYTEST) cocotb_tests/core -k '$(or $(T),$(MAPPED_TESTS))' || test $$? = 5
 
 .PHONY: coverage
 coverage: setup ## statements, branches and stimuli that the benches reach; writes docs/reports/coverage.md
@@ -272,5 +274,5 @@ clocks: setup ## find the clock crossings in the boards' netlists; writes docs/r
 	@$(VENV) -m scripts.clocks
 
 .PHONY: program
-program: setup ## load that bitstream into the board, with openFPGALoader, fujprog or iceprog
+program: setup ## load that bitstream into the board, with openFPGALoader, fujprog, ecpdap or iceprog
 	@$(VENV) -m scripts.bitstream program $(if $(BOARD),--board $(BOARD))

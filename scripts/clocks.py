@@ -18,14 +18,9 @@ from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.bitstream import ENTITY, TOP, BoardFile, read_board
 from quadshade.synthesis.crossings import Crossing, compare, read_clocks
+from quadshade.synthesis.families import find_family
 from quadshade.synthesis.flow import YOSYS, run_yosys
 from scripts.one_line_errors import Failure, one_line_errors
-
-LIBRARIES = {
-    "ecp5": "read_verilog -lib +/lattice/cells_sim_ecp5.v +/lattice/cells_bb_ecp5.v",
-    "ice40": "read_verilog -lib +/ice40/cells_sim.v",
-}
-"""What declares the cells in the tops."""
 
 FLATTENED = (
     f"hierarchy -check -top {TOP}",
@@ -60,7 +55,7 @@ def crossings_of(sources: Sequence[Path], family: str) -> list[Crossing]:
     sources : sequence of Path
       Verilog of the top and of all below it.
     family : str
-      Whose cells it holds, a key of ``LIBRARIES``.
+      Whose cells it holds, of ``synth/families``.
 
     Raises
     ------
@@ -72,7 +67,8 @@ def crossings_of(sources: Sequence[Path], family: str) -> list[Crossing]:
         for source in sources:
             shutil.copyfile(source, folder / source.name)
         names = " ".join(source.name for source in sources)
-        run_yosys([LIBRARIES[family], f"read_verilog {names}", *FLATTENED], folder)
+        library = f"read_verilog -lib {' '.join(find_family(family).declared)}"
+        run_yosys([library, f"read_verilog {names}", *FLATTENED], folder)
         return read_clocks(folder / "flat.json", TOP).crossings()
 
 

@@ -12,10 +12,15 @@ import pytest
 
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.devices import find_device
+from quadshade.synthesis.families import find_family
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapped import cell_models
-from quadshade.synthesis.mapping import LEAST_SHARED, LONGEST_COMPARED, LONGEST_SHORT, mapping_commands
+from quadshade.synthesis.mapping import mapping_commands
 from tests.support.yosys_proof import prove_equal
+
+NUMBERS = find_family("ice40").numbers
+LONGEST_COMPARED, LONGEST_SHORT = NUMBERS["longest_compared"], NUMBERS["longest_short"]
+LEAST_SHARED = NUMBERS["least_shared"]
 
 SUM = "assign q = a + b;"
 ABOVE = "assign q = a > 37;"

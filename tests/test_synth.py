@@ -17,7 +17,15 @@ from quadshade.contract.formats import Formats
 from quadshade.engine.netlist import TOP, write_netlist
 from quadshade.engine.tool_runner import find_tool
 from quadshade.errors import QuadshadeError
-from quadshade.synthesis import DEVICES, find_board, find_device, module_ports, table, write_harness
+from quadshade.synthesis import (
+    devices,
+    find_board,
+    find_device,
+    find_family,
+    module_ports,
+    table,
+    write_harness,
+)
 from quadshade.synthesis.flow import Implementation, Placed, run_nextpnr, run_yosys
 from quadshade.synthesis.mapping import CHECKED
 from quadshade.synthesis.tool_reports import (
@@ -73,7 +81,7 @@ def test_every_board_names_a_device() -> None:
     boards = sorted((ROOT / "synth" / "boards").glob("*.toml"))
     assert boards
     for board in boards:
-        assert find_board(board.stem, ROOT).name in DEVICES
+        assert find_board(board.stem, ROOT).name in devices()
     assert find_board("ulx3s-25f", ROOT) is find_device("ecp5-25k-6")
     assert find_board("icebreaker", ROOT) is find_device("ice40-up5k")
 
@@ -135,12 +143,17 @@ def test_missing_tool() -> None:
 
 
 def test_area_counts_carry_cells_twice_on_ecp5() -> None:
+    def area(family: str, cells: dict[str, int]) -> Area:
+        return area_from_stat({"design": {"num_cells_by_type": cells}}, find_family(family).counted)
+
     cells = {"CCU2C": 5, "LUT4": 7, "TRELLIS_FF": 3, "DP16KD": 2, "MULT18X18D": 1, "PFUMX": 4}
-    assert area_from_stat({"design": {"num_cells_by_type": cells}}) == Area(17, 5, 10, 3, 2, 1)
+    assert area("ecp5", cells) == Area(17, 5, 10, 3, 2, 1)
     cells = {"SB_CARRY": 5, "SB_LUT4": 7, "SB_DFFESR": 3, "SB_DFF": 1, "SB_RAM40_4K": 2, "SB_MAC16": 1}
-    assert area_from_stat({"design": {"num_cells_by_type": cells}}) == Area(7, 5, 0, 4, 2, 1)
+    assert area("ice40", cells) == Area(7, 5, 0, 4, 2, 1)
+    cells = {"ALU": 5, "LUT2": 3, "LUT4": 4, "DFFRE": 3, "DFF": 1, "DPX9B": 1, "DPB": 1, "MULT9X9": 1}
+    assert area("gowin", cells) == Area(12, 5, 5, 4, 2, 1)
     with pytest.raises(QuadshadeError, match="no cells"):
-        area_from_stat({"design": {"num_cells_by_type": {}}})
+        area("ecp5", {})
 
 
 CELLS = {
@@ -199,8 +212,9 @@ Info: \t       ICESTORM_PLL:       0/      0     0%
 
 
 def test_what_fills_the_device() -> None:
-    assert fullest(LOG) == ("ICESTORM_LC", 5288, 5280)
-    assert fullest("ERROR: no such file") is None
+    kinds = tuple(find_family("ice40").area.values())
+    assert fullest(LOG, kinds) == ("ICESTORM_LC", 5288, 5280)
+    assert fullest("ERROR: no such file", kinds) is None
 
 
 def test_too_large_for_the_device(tmp_path: Path) -> None:
@@ -211,10 +225,10 @@ def test_too_large_for_the_device(tmp_path: Path) -> None:
     with pytest.raises(
         QuadshadeError, match=r"no place .* on ice40-up5k: 53\d\d of 5280 ICESTORM_LC"
     ) as raised:
-        run_nextpnr([*device.nextpnr, "--json", "made.json"], tmp_path, device)
+        run_nextpnr([*device.place, *device.described.unconstrained, "--json", "made.json"], tmp_path, device)
     assert "fewer channels" in str(raised.value)
     with pytest.raises(QuadshadeError, match=r"nextpnr-ice40 failed: .*none\.json"):
-        run_nextpnr([*device.nextpnr, "--json", "none.json"], tmp_path, device)
+        run_nextpnr([*device.place, *device.described.unconstrained, "--json", "none.json"], tmp_path, device)
 
 
 def test_fmax() -> None:

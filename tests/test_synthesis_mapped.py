@@ -21,11 +21,13 @@ def test_icarus_reads_every_kind_without_options(kind: str) -> None:
     command = ["iverilog", "-g2012", "-t", "null", "-s", "skid_buffer", *files]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
-    cells = {"ghdl": "posedge clk", "ice40": "SB_DFF", "ecp5": "TRELLIS_FF"}
+    cells = {"ghdl": "posedge clk", "ice40": "SB_DFF", "ecp5": "TRELLIS_FF", "gowin": " DFFRE "}
     found = [name for name, cell in cells.items() if cell in files[0].read_text()]
     assert found == ["ghdl" if kind == "unknown" else kind]
 
 
 def test_unknown_kind() -> None:
-    with pytest.raises(QuadshadeError, match="no netlist 'xc7'; the netlists are ghdl, unknown, ice40, ecp5"):
+    with pytest.raises(
+        QuadshadeError, match="no netlist 'xc7'; the netlists are ghdl, unknown, ecp5, gowin, ice40"
+    ):
         netlist_files("xc7", "skid_buffer", {})

@@ -4,48 +4,34 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from quadshade.contract.formats import Formats
+from quadshade.engine.build_cache import build_key, build_once
 from quadshade.engine.netlist import write_netlist
-from quadshade.engine.tool_runner import find_tool, package_version, run_tool
+from quadshade.engine.tool_runner import package_version, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.devices import Device, find_board
-from quadshade.synthesis.flow import run_nextpnr, write_mapped
+from quadshade.synthesis.devices import board_file, find_board
+from quadshade.synthesis.families import Device, filled
+from quadshade.synthesis.flow import YOSYS, run_nextpnr, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 ENTITY = "board"
 TOP = "top"
 RESET = "power_on_reset.v"
 BAUD = 1_000_000
+ROUTED = "routed"
+"""File of what nextpnr has routed, for the packer."""
 
-PACKERS = {"ecp5": ("yowasp-ecppack", "--compress"), "ice40": ("yowasp-icepack",)}
-SUFFIXES = {"ecp5": ".bit", "ice40": ".bin"}
-ROUTED = {"ecp5": ("--textcfg", "--lpf"), "ice40": ("--asc", "--pcf")}
-"""nextpnr's options for what it writes and for the pins."""
-
-AREA = {
-    "ecp5": {
-        "LUT4": "TRELLIS_COMB",
-        "flip-flops": "TRELLIS_FF",
-        "block RAM": "DP16KD",
-        "multipliers": "MULT18X18D",
-    },
-    "ice40": {
-        "LUT4": "ICESTORM_LC",
-        "block RAM": "ICESTORM_RAM",
-        "SPRAM": "ICESTORM_SPRAM",
-        "multipliers": "ICESTORM_DSP",
-    },
-}
-"""What the report shows: nextpnr's cells. On iCE40 a LUT and its flip-flop are one logic cell."""
+ENTRIES = ("top", "constraints", "clocks", "generics", "program")
+"""What a board's file has beside its device."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +69,8 @@ class BoardFile:
 
     @property
     def family(self) -> str:
-        """``ecp5`` or ``ice40``."""
-        return self.device.name.split("-")[0]
+        """A file in ``synth/families``."""
+        return self.device.family
 
     @property
     def sources(self) -> list[Path]:
@@ -99,7 +85,7 @@ class BoardFile:
 
     def bitstream(self, root: Path) -> Path:
         """Where the bitstream is."""
-        return root / "build" / "bitstream" / f"{self.name}{SUFFIXES[self.family]}"
+        return root / "build" / "bitstream" / f"{self.name}{self.device.described.suffix}"
 
 
 @dataclass(frozen=True)
@@ -136,17 +122,20 @@ def read_board(name: str, root: Path) -> BoardFile:
     Raises
     ------
     QuadshadeError
-      There is no such board, its file lacks an entry, or no bitstream is built for it.
+      There is no such board, its file lacks an entry or names one that is not there, or no bitstream is built
+      for it.
     """
-    device = find_board(name, root)
+    device, settings = find_board(name, root), board_file(name, root)
     folder = root / "synth" / "boards"
-    settings = tomllib.loads((folder / f"{name}.toml").read_text())
-    missing = [key for key in ("top", "constraints", "clocks", "generics", "program") if key not in settings]
+    missing = [key for key in ENTRIES if key not in settings]
     if missing:
         raise QuadshadeError(
             f"no bitstream is built for {name}: its file has no {missing[0]}",
             "write it as synth/boards/ulx3s-85f.toml has it",
         )
+    named = [settings["top"], settings["constraints"], *settings.get("parts", ())]
+    if lost := [file for file in named if not (folder / file).is_file()]:
+        raise QuadshadeError(f"{name}.toml names synth/boards/{lost[0]}, which is not there", "write it")
     return BoardFile(
         name,
         device,
@@ -158,6 +147,49 @@ def read_board(name: str, root: Path) -> BoardFile:
         tuple(settings.get("pack", ())),
         tuple(folder / part for part in settings.get("parts", ())),
     )
+
+
+def ports_of(top: Path) -> list[str]:
+    """Every bit of the ports of a board's top, as pins are named."""
+    text = re.sub(r"//.*", "", top.read_text())
+    header = re.search(rf"module {TOP} \((.*?)\);", text, re.DOTALL)
+    found: list[str] = []
+    for high, name in re.findall(r"(?:input|output)\s+(?:\[(\d+):0\]\s+)?(\w+)", header[1] if header else ""):
+        found += [f"{name}[{index}]" for index in range(int(high) + 1)] if high else [name]
+    return found
+
+
+def check_pins(board: BoardFile) -> None:
+    """
+    Every port of a board's top has a pin of its own.
+
+    Raises
+    ------
+    QuadshadeError
+      One has none, or one that another has.
+    """
+    pins = board.device.described.pins(board.constraints.read_text())
+    where = board.constraints.name
+    owners: dict[str, str] = {}
+    for port, pin in pins:
+        if owners.setdefault(pin, port) != port:
+            raise QuadshadeError(f"{where}: {port} has the pin {pin} of {owners[pin]}", "give it its own")
+    ports = ports_of(board.top)
+    if missing := [port for port in ports if port not in dict(pins)]:
+        raise QuadshadeError(f"{where} has no pin for {missing[0]}", f"{board.top.name} has that port")
+    if unknown := [port for port, _ in pins if port not in ports]:
+        raise QuadshadeError(f"{where} has a pin for {unknown[0]}", f"{board.top.name} has no such port")
+
+
+def missing_packages(board: BoardFile) -> list[str]:
+    """Python packages of the board's family that are not installed."""
+    missing = []
+    for package in board.device.described.packages:
+        try:
+            package_version(package)
+        except QuadshadeError:
+            missing.append(package)
+    return missing
 
 
 def clocks_of(report: Mapping[str, Any], required: Mapping[str, float]) -> dict[str, tuple[float, float]]:
@@ -211,8 +243,11 @@ def build(
     Raises
     ------
     QuadshadeError
-      A tool is missing or fails, or the design does not fit.
+      A tool is missing or fails, a pin is missing, or the design does not fit.
     """
+    check_pins(board)
+    if missing := missing_packages(board):
+        raise QuadshadeError(f"{missing[0]} is not installed", "run `make bitstream`, which installs it")
     folder = root / "build" / "bitstream" / board.name
     folder.mkdir(parents=True, exist_ok=True)
     progress(f"{board.name}: synthesis")
@@ -241,27 +276,34 @@ def build(
 
 
 def _route(board: BoardFile, folder: Path, seed: int, root: Path) -> Built:
-    """One run of nextpnr."""
-    routed, pins = ROUTED[board.family]
-    shutil.copyfile(board.constraints, folder / board.constraints.name)
-    options = [option for option in board.device.nextpnr if not option.endswith("allow-unconstrained")]
-    command = [*options, "--json", "mapped.json", routed, "routed.cfg", pins, board.constraints.name]
+    """One run of nextpnr; its result goes to the folder, and is kept for the same design on another board."""
+    family, pins = board.device.described, board.constraints
+    command = [*board.device.place, *filled(family.routed, routed=ROUTED), "--json", "mapped.json"]
+    command += filled(family.constrained, pins=pins.name, mhz=board.clocks["clk"])
     command += ["--seed", str(seed), "--timing-allow-fail"]
-    if board.family == "ice40":
-        command += ["--freq", str(max(board.clocks.values()))]
-    run_nextpnr(command, folder, board.device)
+
+    def make(place: Path) -> None:
+        for source in (folder / "mapped.json", pins):
+            shutil.copyfile(source, place / source.name)
+        run_nextpnr(command, place, board.device)
+        (place / "mapped.json").unlink()
+
+    texts = ((folder / "mapped.json").read_text(), pins.read_text())
+    key = build_key(*texts, *command, package_version(family.packages[0]))
+    placed = build_once(root / "build" / "routed", key, make)
+    for name in (ROUTED, "report.json", "nextpnr.log"):
+        shutil.copyfile(placed / name, folder / name)
     report = json.loads((folder / "report.json").read_text())
     cells = report["utilization"]
-    area = {
-        name: (cells[cell]["used"], cells[cell]["available"]) for name, cell in AREA[board.family].items()
-    }
+    area = {name: (cells[cell]["used"], cells[cell]["available"]) for name, cell in family.area.items()}
     return Built(board.bitstream(root), seed, clocks_of(report, board.clocks), area)
 
 
 def _pack(board: BoardFile, folder: Path, root: Path) -> None:
     """The bitstream from nextpnr's result, moved to its place."""
-    packed = "packed" + SUFFIXES[board.family]
-    run_tool([*PACKERS[board.family], *board.pack, "routed.cfg", packed], folder)
+    packed = f"packed{board.device.described.suffix}"
+    packer, *options = filled(board.device.described.packer, routed=ROUTED, packed=packed)
+    run_tool([packer, *board.device.pack, *board.pack, *options], folder)
     (folder / packed).replace(board.bitstream(root))
 
 
@@ -302,5 +344,4 @@ def program(board: BoardFile, root: Path) -> list[str]:
 
 def tools_of(board: BoardFile) -> list[str]:
     """Versions of what builds a board."""
-    find_tool(PACKERS[board.family][0])
-    return [package_version("pyosys"), package_version(board.device.nextpnr[0])]
+    return [package_version(package) for package in (YOSYS, *board.device.described.packages)]

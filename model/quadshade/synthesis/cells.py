@@ -7,11 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-CELLS: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
-    "ecp5": {"load_adder": (r"(\d+)_(\d+)", ("width", "with_carry"))},
-    "ice40": {"single_port_ram": (r"(\d+)_8", ("num_words",))},
-}
-"""By family, entities with a file in ``synth/cells``: what GHDL adds to the name, the parameters in it."""
+from quadshade.synthesis.families import find_family
 
 
 def with_cells(verilog: str, family: str, root: Path) -> str:
@@ -23,24 +19,26 @@ def with_cells(verilog: str, family: str, root: Path) -> str:
     verilog : str
       From :func:`quadshade.engine.netlist.write_netlist`.
     family : str
-      ``"ecp5"`` or ``"ice40"``.
+      Of ``synth/families``, whose ``cells`` they are.
     root : Path
       Checkout of Quadshade.
     """
-    for entity, (suffix, parameters) in CELLS[family].items():
+    for entity, entry in find_family(family).cells.items():
         cells = (root / "synth" / "cells" / f"{entity}.v").read_text()
 
         def named(
             found: re.Match[str],
             cells: str = cells,
             entity: str = entity,
-            names: tuple[Any, ...] = parameters,
+            names: tuple[Any, ...] = tuple(entry["parameters"]),
         ) -> str:
             body = re.sub(rf"\bmodule {entity}\b", f"module {found[1]}", cells)
             for name, value in zip(names, found.groups()[1:], strict=True):
                 body = re.sub(rf"\bparameter {name} = \d+", f"parameter {name} = {value}", body)
             return body
 
-        module = re.compile(rf"^module ({entity}_{suffix})\b.*?^endmodule\n", re.MULTILINE | re.DOTALL)
+        module = re.compile(
+            rf"^module ({entity}_{entry['named']})\b.*?^endmodule\n", re.MULTILINE | re.DOTALL
+        )
         verilog = module.sub(named, verilog)
     return verilog

@@ -16,15 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from quadshade.errors import QuadshadeError
+from quadshade.synthesis.families import clock_cells
 
 Bit = int | str
 """Of Yosys' JSON: a net's number, or a constant."""
-
-PLLS = {"EHXPLLL": ("CLKOP", "CLKOS", "CLKOS2", "CLKOS3"), "SB_PLL40_PAD": ("PLLOUTGLOBAL", "PLLOUTCORE")}
-"""Cells that make clocks, and their outputs that are clocks; the others belong to no clock."""
-
-CLOCKED = {"ODDRX1F": "SCLK"}
-"""Cells of a device with registers inside, and their clock."""
 
 CHOICES = ("$mux", "$pmux")
 
@@ -105,6 +100,7 @@ class ClockNetlist:
     """
 
     def __init__(self, module: Mapping[str, Any]) -> None:
+        self.known = clock_cells()
         self.names: dict[Bit, str] = {}
         for name, net in module["netnames"].items():
             for bit in net["bits"]:
@@ -134,23 +130,23 @@ class ClockNetlist:
             for bit in bits:
                 self.loads[bit] += 1
         outputs = [bit for port, bits in ports.items() if ways[port] == "output" for bit in bits]
-        if kind in PLLS:
+        if kind in self.known.makes:
             for port, bits in ports.items():
-                if ways[port] == "output" and port not in PLLS[kind]:
+                if ways[port] == "output" and port not in self.known.makes[kind]:
                     self.origin[bits[0]] = f"{name} {port}", ""
         elif kind == "$mem_v2":
             self._add_memory(name, cell)
-        elif "CLK" in ports or kind in CLOCKED:
-            clock_port = CLOCKED.get(kind, "CLK")
+        elif "CLK" in ports or kind in self.known.takes:
+            clock_port = self.known.takes.get(kind, "CLK")
             (clock,) = ports[clock_port]
             other = [bit for port, bits in inputs.items() if port not in ("D", clock_port) for bit in bits]
             self.registers.append(_Register(name, clock, kind == "$dff", ports.get("D", []), other, outputs))
-        elif kind.startswith("$") and not kind.startswith(NOT_LOGIC):
+        elif kind in self.known.without or (kind.startswith("$") and not kind.startswith(NOT_LOGIC)):
             for place, bit in enumerate(outputs):
                 self.logic[bit] = _Logic(kind, inputs, place)
         else:
             raise QuadshadeError(
-                f"{name} is a {kind}, whose clock is not known", "enter it in quadshade.synthesis.crossings"
+                f"{name} is a {kind}, whose clock is not known", "enter it in its family, synth/families"
             )
 
     def _add_memory(self, name: str, cell: Mapping[str, Any]) -> None:

@@ -28,9 +28,9 @@ from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.block_registers import absorb_in_file
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.devices import Device
+from quadshade.synthesis.families import Device, filled
 from quadshade.synthesis.harness import HARNESS, module_ports, write_harness
-from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
+from quadshade.synthesis.mapping import CHECKED, mapping_commands
 from quadshade.synthesis.tool_reports import (
     Area,
     CriticalPath,
@@ -44,6 +44,13 @@ YOSYS = "pyosys"
 """Native Yosys as a Python module; the WebAssembly one ends without a word while it maps the core."""
 
 NO_PLACE = re.compile(r"BELs remaining|legal placement|expand region")
+
+LESS_MEMORY = "give a smaller screen, colour_bits=6 or 4, buffers=1, with_edge_map=0 or with_depth=0"
+LESS_LOGIC = "give fewer channels, shorter words, single_buffer=1, another seed or another device"
+"""What makes a design smaller, by what is full."""
+
+PINS = "harness.pins"
+"""The pins of a design that is measured alone."""
 
 RUN_SCRIPT = "import sys; from pyosys import libyosys as y; y.run_pass('script ' + sys.argv[1], y.Design())"
 
@@ -102,18 +109,22 @@ def run_nextpnr(command: Sequence[str], folder: Path, device: Device) -> None:
     Raises
     ------
     QuadshadeError
-      It fails; if it finds no place for a cell, with what fills the device.
+      It fails; if it finds no place for a cell, with what fills the device and what may be left out.
     """
     try:
         run_tool([*command, "-q", "--log", "nextpnr.log", "--report", "report.json"], folder)
     except QuadshadeError as problem:
         log = folder / "nextpnr.log"
-        full = fullest(log.read_text()) if log.is_file() and NO_PLACE.search(str(problem)) else None
+        kinds = device.described.area
+        full = None
+        if log.is_file() and NO_PLACE.search(str(problem)):
+            full = fullest(log.read_text(), tuple(kinds.values()))
         if full is None:
             raise
+        memory = full[0] in (kinds.get("block RAM"), kinds.get("SPRAM"))
         raise QuadshadeError(
             f"nextpnr finds no place for every cell on {device.name}: {full[1]} of {full[2]} {full[0]}",
-            "give fewer channels, shorter words, another seed or another device",
+            LESS_MEMORY if memory else LESS_LOGIC,
         ) from None
 
 
@@ -133,7 +144,7 @@ def run_yosys(commands: Sequence[str], folder: Path) -> None:
 
 def write_mapped(commands: Sequence[str], path: Path, top: str, device: Device) -> int:
     """
-    Run Yosys on a design and write what nextpnr reads; on ECP5 with the registers behind block RAM in it.
+    Run Yosys on a design and write what nextpnr reads, with registers in the block RAM of some families.
 
     Parameters
     ----------
@@ -155,7 +166,7 @@ def write_mapped(commands: Sequence[str], path: Path, top: str, device: Device) 
       Yosys fails.
     """
     run_yosys([*commands, f"write_json {path.name}"], path.parent)
-    return absorb_in_file(path, top) if device.family == "ecp5" else 0
+    return absorb_in_file(path, top) if device.described.absorbs_registers else 0
 
 
 def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
@@ -187,7 +198,7 @@ def map_netlist(netlist: Path, top: str, device: Device, root: Path) -> Path:
     parts = "".join(path.read_text() for path in sorted((root / "synth" / "harness").glob("*.v")))
     alone = [
         f"read_verilog {netlist.name}",
-        *LIBRARY[device.family],
+        *device.described.library,
         f"hierarchy -check -top {top}",
         *CHECKED,
     ]
@@ -225,7 +236,8 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
       The netlist does not fit, or nextpnr fails otherwise.
     """
     command = [
-        *device.nextpnr,
+        *device.place,
+        *filled(device.described.unconstrained, pins=PINS),
         "--seed",
         str(seed),
         "--freq",
@@ -234,11 +246,12 @@ def place(mapped: Path, device: Device, seed: int, root: Path) -> Placed:
     ]
 
     def make(folder: Path) -> None:
+        (folder / PINS).write_text(device.described.harness)
         # By a relative path: the WebAssembly nextpnr has a /tmp of its own.
         harness = os.path.relpath(mapped / "harness.json", folder)
         run_nextpnr([*command, "--json", harness], folder, device)
 
-    key = build_key(mapped.name, *command, package_version(command[0]))
+    key = build_key(mapped.name, device.described.harness, *command, package_version(command[0]))
     folder = build_once(root / "build" / "synth" / "placed", key, make)
     report = json.loads((folder / "report.json").read_text())
     cells = json.loads((mapped / "harness.json").read_text())["modules"][HARNESS]
@@ -280,7 +293,7 @@ def implement(
     """
     root = repository_root()
     mapped = map_netlist(write_netlist(generics, top, more), top, device, root)
-    area = area_from_stat(json.loads((mapped / "stat.json").read_text()))
+    area = area_from_stat(json.loads((mapped / "stat.json").read_text()), device.described.counted)
     workers = Parallel(
         n_jobs=jobs or int(os.environ.get("JOBS") or 2), return_as="generator_unordered", prefer="threads"
     )

@@ -17,18 +17,15 @@ from quadshade.engine.unknown_registers import without_initial_values
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis import block_registers
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.devices import Device, find_device
+from quadshade.synthesis.families import Device, families, find_family
 from quadshade.synthesis.flow import YOSYS, run_yosys, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
 
 GENERIC = "ghdl"
-FAMILIES = {"ice40": "ice40-hx8k", "ecp5": "ecp5-25k-6"}
-"""Device that a family's cells are mapped for."""
-
 UNKNOWN = "unknown"
 """GHDL's, with every register unknown at power-up."""
 
-KINDS = (GENERIC, UNKNOWN, *FAMILIES)
+KINDS = (GENERIC, UNKNOWN, *families())
 
 
 def cell_models(family: str) -> str:
@@ -44,7 +41,7 @@ def cell_models(family: str) -> str:
     spec = find_spec(YOSYS)
     assert spec is not None and spec.submodule_search_locations is not None
     (package,) = spec.submodule_search_locations
-    folder = Path(package) / "share" / family
+    folder = Path(package) / "share" / find_family(family).share
     text = (folder / "cells_sim.v").read_text()
     # Default values of ports, and cells under older names: Icarus does not take either.
     defines = "`define NO_ICE40_DEFAULT_ASSIGNMENTS 1\n`define NO_INCLUDES 1\n"
@@ -138,7 +135,8 @@ def netlist_files(kind: str, unit: str, generics: Mapping[str, int]) -> list[Pat
             (folder / f"{unit}.v").write_text(stripped)
 
         return [build_once(root / "build" / "unknown", build_key(stripped), write) / f"{unit}.v"]
-    device = find_device(FAMILIES[kind])
+    family = find_family(kind)
+    device = family.devices[family.simulated]
     verilog = with_cells(netlist.read_text(), kind, root)
     commands = [f"read_verilog {unit}.v", *mapping_commands(device, unit)]
 

@@ -137,7 +137,7 @@ def measure_row(
 
 def tools(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Versions of the tools that made some rows."""
-    packages = {YOSYS} | {find_device(row["device"]).nextpnr[0] for row in rows}
+    packages = {YOSYS} | {find_device(row["device"]).place[0] for row in rows}
     return [package_version(package) for package in sorted(packages)]
 
 

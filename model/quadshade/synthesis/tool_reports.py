@@ -4,22 +4,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from quadshade.errors import QuadshadeError
-
-CARRIES = ("CCU2C", "SB_CARRY")
-# A distributed RAM of 16 x 4 bits takes four LUTs that are read and two more places that write.
-LUTS_OF_CELL = {"LUT4": 1, "SB_LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6}
-FLIP_FLOPS = re.compile(r"TRELLIS_FF|SB_DFF\w*")
-BLOCK_RAMS = re.compile(r"DP16KD|PDPW16KD|SB_RAM40_4K\w*")
-MULTIPLIERS = re.compile(r"MULT18X18D|ALU54B|SB_MAC16")
-
-
-GLOBAL_BUFFERS = ("SB_GB", "DCCA")
-"""Taken as long as there are any, by whatever is driven most."""
+from quadshade.synthesis.families import Counted
 
 USED = re.compile(r"^Info:\s+(\w+):\s+(\d+)/\s*(\d+)\s+\d+%", re.MULTILINE)
 """nextpnr's log: a kind of cell, how many are used, how many there are."""
@@ -72,9 +62,15 @@ class CriticalPath:
     levels: int
 
 
-def area_from_stat(stat: Mapping[str, Any]) -> Area:
+def area_from_stat(stat: Mapping[str, Any], counted: Counted) -> Area:
     """
     Area from Yosys' ``stat -json`` of a mapped, flat design.
+
+    Parameters
+    ----------
+    stat : mapping
+    counted : Counted
+      Of the device's family.
 
     Raises
     ------
@@ -85,16 +81,16 @@ def area_from_stat(stat: Mapping[str, Any]) -> Area:
     if not cells:
         raise QuadshadeError("Yosys reports no cells", "look at the netlist: is everything optimised away?")
 
-    def count(kind: re.Pattern[str]) -> int:
-        return sum(number for name, number in cells.items() if kind.fullmatch(name))
+    def count(kind: str) -> int:
+        return sum(number for name, number in cells.items() if re.fullmatch(kind, name))
 
     return Area(
-        lut4=sum(number * LUTS_OF_CELL.get(name, 0) for name, number in cells.items()),
-        carry=sum(cells.get(name, 0) for name in CARRIES),
-        carry_luts=cells.get("CCU2C", 0) * LUTS_OF_CELL["CCU2C"],
-        ff=count(FLIP_FLOPS),
-        bram=count(BLOCK_RAMS),
-        dsp=count(MULTIPLIERS),
+        lut4=sum(number * counted.luts.get(name, 0) for name, number in cells.items()),
+        carry=sum(cells.get(name, 0) for name in counted.carries),
+        carry_luts=sum(cells.get(name, 0) * counted.luts.get(name, 0) for name in counted.carries),
+        ff=count(counted.flip_flops),
+        bram=count(counted.block_rams),
+        dsp=count(counted.multipliers),
     )
 
 
@@ -188,15 +184,24 @@ def critical_path(report: Mapping[str, Any], cells: Mapping[str, Any]) -> Critic
     )
 
 
-def fullest(log: str) -> tuple[str, int, int] | None:
+def fullest(log: str, cells: Sequence[str]) -> tuple[str, int, int] | None:
     """
     The kind of cell that fills a device most, how many are used, and how many it has; from nextpnr's log.
 
-    None where the log says nothing of it.
+    Parameters
+    ----------
+    log : str
+    cells : sequence of str
+      Kinds that are looked at: not those which are taken as long as there are any, as global buffers.
+
+    Returns
+    -------
+    (str, int, int) or None
+      None where the log says nothing of them.
     """
     kinds = [
         (kind, int(used), int(there))
         for kind, used, there in USED.findall(log)
-        if int(there) and kind not in GLOBAL_BUFFERS
+        if int(there) and kind in cells
     ]
     return max(kinds, key=lambda found: found[1] / found[2], default=None)

@@ -16,7 +16,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.synthesis import find_device
 from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.flow import YOSYS, run_yosys
-from quadshade.synthesis.mapping import CHECKED, LIBRARY, mapping_commands
+from quadshade.synthesis.mapping import CHECKED, mapping_commands
 from quadshade.synthesis.tool_reports import area_from_stat
 
 DEVICE = "ecp5-25k-6"
@@ -56,7 +56,7 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
     ----------
     formats : Formats
     device : str
-      One of :data:`quadshade.synthesis.DEVICES`.
+      One of :func:`quadshade.synthesis.devices.find_device`.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
     verilog = with_cells(netlist.read_text(), find_device(device).family, root)
     commands = [
         f"read_verilog {netlist.name}",
-        *LIBRARY[find_device(device).family],
+        *find_device(device).described.library,
         f"hierarchy -check -top {top}",
         *CHECKED,
     ]
@@ -86,4 +86,6 @@ def count_cells(formats: Formats, device: str = DEVICE) -> dict[str, int]:
 
     key = build_key(verilog, *commands, package_version(YOSYS))
     folder = build_once(root / "build" / "synth" / "counted", key, make)
-    return asdict(area_from_stat(json.loads((folder / STAT).read_text())))
+    return asdict(
+        area_from_stat(json.loads((folder / STAT).read_text()), find_device(device).described.counted)
+    )
