@@ -5,15 +5,28 @@
 from __future__ import annotations
 
 import json
+import sys
+from pathlib import Path
 
 import click
 from rich.console import Console
 
+from quadshade.contract.releases import definition_hash
 from quadshade.engine.sources import repository_root
+from quadshade.engine.tool_runner import announce, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
-from quadshade.synthesis.bitstream import BoardFile, Built, build, program, read_board, tools_of
+from quadshade.synthesis.bitstream import (
+    BoardFile,
+    Built,
+    build,
+    check_pins,
+    missing_packages,
+    program,
+    read_board,
+    tools_of,
+)
 from scripts.one_line_errors import Failure, one_line_errors
 
 console = Console(stderr=True)
@@ -22,7 +35,9 @@ HEAD = """\
 # Bitstreams
 
 Written by `make bitstream BOARD=...`, which builds through GHDL, Yosys and nextpnr and fails where a clock is
-missed. On iCE40 a LUT and the flip-flop behind it are one logic cell.
+missed. On iCE40 a LUT and the flip-flop behind it are one logic cell; on Gowin a carry cell takes the place
+of a LUT. The definition is the hash of formats, packet layout and protocol that HELLO answers
+([protocol](../reference/protocol.md)): of another one a board has to be built anew.
 
 """
 
@@ -36,6 +51,23 @@ def board_of(name: str | None) -> BoardFile:
     return read_board(name, root)
 
 
+def install(board: BoardFile, root: Path) -> None:
+    """
+    Install what places and routes a board where `make setup` has left it out for its size.
+
+    Raises
+    ------
+    QuadshadeError
+      pip fails.
+    """
+    extra = board.device.described.extra
+    if not extra or not missing_packages(board):
+        return
+    announce(f"installing {', '.join(board.device.described.packages)} for {board.name}")
+    pip = [sys.executable, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
+    run_tool([*pip, "--no-build-isolation", "-e", f".[{extra}]"], root)
+
+
 def row_of(board: BoardFile, built: Built) -> dict:
     """What the report keeps of a build."""
     size = f"{board.generics['screen_width']} x {board.generics['screen_height']}"
@@ -45,19 +77,22 @@ def row_of(board: BoardFile, built: Built) -> dict:
         "area": {name: list(pair) for name, pair in built.area.items()},
         "clocks": {name: [round(mhz, 1), least] for name, (mhz, least) in built.clocks.items()},
         "seed": built.seed,
+        "definition": f"{definition_hash():08x}",
         "tools": tools_of(board),
     }
 
 
 def page(rows: dict[str, dict]) -> str:
     """The report."""
-    kinds = ("LUT4", "flip-flops", "block RAM", "SPRAM", "multipliers")
-    header = ("board", "device", "screen", *kinds, "clocks, MHz reached / required", "seed")
+    kinds = ("LUT4", "carry cells", "flip-flops", "block RAM", "SPRAM", "multipliers")
+    header = ("board", "device", "screen", *kinds, "clocks, MHz reached / required", "seed", "definition")
     lines = []
     for name, row in sorted(rows.items()):
         cells = [" / ".join(map(str, row["area"][kind])) if kind in row["area"] else "" for kind in kinds]
         clocks = ", ".join(f"{clock} {mhz:.1f} / {least:g}" for clock, (mhz, least) in row["clocks"].items())
-        lines.append((name, row["device"], row["screen"], *cells, clocks, row["seed"]))
+        lines.append(
+            (name, row["device"], row["screen"], *cells, clocks, row["seed"], row.get("definition", "older"))
+        )
     tools = sorted({tool for row in rows.values() for tool in row["tools"]})
     table = markdown_table(header, lines, right={*kinds, "seed"})
     return f"{HEAD}{table}\n\nMade with {', '.join(tools)}.\n"
@@ -75,6 +110,8 @@ def main() -> None:
 def build_command(board: str | None, seeds: int) -> None:
     """Build a bitstream, and enter it in the report."""
     root, chosen = repository_root(), board_of(board)
+    check_pins(chosen)
+    install(chosen, root)
     built = build(chosen, root, range(1, seeds + 1), lambda text: console.print(text, highlight=False))
     if built.too_slow:
         name, (mhz, least) = min(built.too_slow.items())

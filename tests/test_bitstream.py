@@ -3,26 +3,35 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from quadshade.board.settings import board_settings
 from quadshade.engine.netlist import write_netlist
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.bitstream import (
     ENTITY,
     TOP,
     Built,
+    build,
+    check_pins,
     clocks_of,
+    missing_packages,
+    ports_of,
     program,
     read_board,
 )
 from quadshade.synthesis.cells import with_cells
+from quadshade.synthesis.families import Device
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapping import CHECKED
+from scripts.bitstream import page
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "synth" / "boards"
@@ -34,24 +43,14 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def ports(top: Path) -> set[str]:
-    """Every bit of a top's ports, as pins are named."""
-    text = re.sub(r"//.*", "", top.read_text())
-    header = re.search(r"module top \((.*?)\);", text, re.DOTALL)[1]
-    found = set()
-    for high, name in re.findall(r"(?:input|output)\s+(?:\[(\d+):0\]\s+)?(\w+)", header):
-        found |= {f"{name}[{index}]" for index in range(int(high) + 1)} if high else {name}
-    return found
-
-
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_has_a_pin(name: str) -> None:
     board = read_board(name, ROOT)
-    pins = dict(
-        re.findall(r'(?:LOCATE COMP|set_io) "?([\w\[\]]+)"? (?:SITE )?"?(\w+)', board.constraints.read_text())
-    )
-    assert set(pins) == ports(board.top)
-    assert len(set(pins.values())) == len(pins)
+    check_pins(board)
+    # None is lost by a pattern that does not fit: each has its line.
+    text = board.constraints.read_text()
+    lines = re.findall(r"^(?:LOCATE|set_io|IO_LOC)", text, re.MULTILINE)
+    assert len(board.device.described.pins(text)) == len(ports_of(board.top)) == len(lines) > 3
 
 
 @pytest.mark.parametrize("name", BOARDS)
@@ -60,12 +59,96 @@ def test_board_is_one_that_can_be_built(name: str) -> None:
     assert board.formats.value_bits == 8
     least = board.clocks["clk"]
     assert board.generics["clk_frequency_hz"] == least * 1e6
-    # Ten bits of a pixel, two in a cycle, in four of the system's.
-    assert board.clocks.get("clk_shift", 1.25 * least) == 1.25 * least
+    # A monitor takes 25 million pixels a second, and 1 % more; ten bits of each, two in a cycle.
+    shift = board.clocks.get("clk_shift", 125)
+    assert 125 <= shift <= 126.25
+    assert least * 5 == shift * board.generics.get("clocks_per_pixel", 4) or "clk_shift" not in board.clocks
     assert ("clk_shift" in board.clocks) == bool(board.generics.get("with_video", 0))
     text = (ROOT / "rtl" / "board.vhd").read_text()
     generics = re.findall(r"^    (\w+) : (?:natural|positive) :=", text[: text.index("port (")], re.MULTILINE)
     assert set(board.generics) <= set(generics)
+
+
+CONSTRAINTS = (
+    'LOCATE COMP "clk" SITE "G2";\nLOCATE COMP "led[0]" SITE "B2";\nLOCATE COMP "led[1]" SITE "C2";\n'
+)
+
+
+def own_board(folder: Path, entries: str, constraints: str = CONSTRAINTS) -> Path:
+    """The root of a checkout with one board, of two lights."""
+    boards = folder / "synth" / "boards"
+    boards.mkdir(parents=True)
+    (boards / "own.v").write_text("module top (input clk, // led [7:0]\n  output [1:0] led);\nendmodule\n")
+    (boards / "own.lpf").write_text(constraints)
+    (boards / "own.toml").write_text(entries)
+    return folder
+
+
+OWN = """\
+device = "ecp5-25k-6"
+top = "own.v"
+constraints = "own.lpf"
+program = []
+clocks = {clk = 100}
+generics = {}
+"""
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        (OWN.replace("ecp5-25k-6", "xc7-35"), "unknown family 'xc7'; the families are ecp5, gowin, ice40"),
+        (OWN.replace("ecp5-25k-6", "ecp5-9k"), "unknown device 'ecp5-9k'; the devices are ecp5-25k-6"),
+        (OWN.replace("device", "devise"), "names no device"),
+        (OWN.replace("clocks", "clock"), "no bitstream is built for own: its file has no clocks"),
+        (OWN.replace("own.lpf", "lost.lpf"), "names synth/boards/lost.lpf, which is not there"),
+        (OWN + 'parts = ["gpdi.v"]', "names synth/boards/gpdi.v, which is not there"),
+        (OWN.replace("}", ""), "own.toml: "),
+    ],
+)
+def test_a_boards_file_that_is_wrong(entries: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(QuadshadeError, match=message):
+        read_board("own", own_board(tmp_path, entries))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('LOCATE COMP "led[1]" SITE "C2";\n', "", r"own.lpf has no pin for led\[1\]; own.v has that port"),
+        ('"C2"', '"B2"', r"own.lpf: led\[1\] has the pin B2 of led\[0\]; give it its own"),
+        ('"led[1]"', '"led[2]"', r"own.lpf has no pin for led\[1\]"),
+        ("\n", '\nLOCATE COMP "button" SITE "D6";\n', "own.lpf has a pin for button; own.v has no such port"),
+    ],
+    ids=["none", "twice", "another", "one more"],
+)
+def test_a_pin_that_is_missing(old: str, new: str, message: str, tmp_path: Path) -> None:
+    check_pins(read_board("own", own_board(tmp_path / "right", OWN)))
+    root = own_board(tmp_path / "wrong", OWN, CONSTRAINTS.replace(old, new, 1))
+    with pytest.raises(QuadshadeError, match=message):
+        build(read_board("own", root), root)
+    assert not (root / "build").exists()
+
+
+def test_a_tool_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    board = read_board("own", own_board(tmp_path, OWN))
+    assert missing_packages(board) == []
+    lost = replace(board.device.described, packages=("yowasp-nextpnr-nowhere",))
+    monkeypatch.setattr(Device, "described", lost)
+    assert missing_packages(board) == ["yowasp-nextpnr-nowhere"]
+    with pytest.raises(QuadshadeError, match="yowasp-nextpnr-nowhere is not installed; run `make bitstream`"):
+        build(board, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("generics", "message"),
+    [
+        ({"clocks_per_pixel": 0}, "clocks_per_pixel is 0; give 1 to 16"),
+        ({"bank_words": 3000}, "bank_words is 3000; give 256 or 512"),
+    ],
+)
+def test_generics_of_devices_and_monitors(generics: dict[str, int], message: str) -> None:
+    with pytest.raises(QuadshadeError, match=message):
+        board_settings(None, None, generics)
 
 
 def test_small_board_has_no_latch(tmp_path: Path) -> None:
@@ -128,6 +211,15 @@ def test_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.
     loader.write_text("#!/bin/sh\nexit 3\n")
     with pytest.raises(QuadshadeError, match="exit code 3"):
         program(board, tmp_path)
+
+
+def test_report_is_that_of_its_numbers() -> None:
+    report = ROOT / "docs" / "reports" / "bitstream.md"
+    rows = json.loads(report.with_suffix(".json").read_text())
+    assert report.read_text() == page(rows)
+    # What is on the page was met, and a board of the page is still there.
+    assert all(mhz >= least for row in rows.values() for mhz, least in row["clocks"].values())
+    assert set(rows) <= set(BOARDS)
 
 
 def test_top_is_named() -> None:

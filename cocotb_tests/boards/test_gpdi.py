@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ULX3S's serialiser: the bits on its TMDS data channels against its words, at every phase of both clocks."""
+"""The boards' serialiser: bits on its TMDS data channels against its words, at every phase of both clocks."""
 
 from __future__ import annotations
 
@@ -16,30 +16,32 @@ from cocotb_tests.support.bench import Bench
 from cocotb_tests.support.simulation import identifier, simulate
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIFT_NS, CLOCK_NS = 8, 10
-CLOCKS = 4
-"""Of a pixel."""
+PIXEL_NS, SHIFT_NS = 40, 8
 RESET_CLOCKS = 8
 CLOCK_CHANNEL = 0b0000011111
 
 
 @dataclass(frozen=True)
 class Config:
-    """``gpdi`` has no parameters."""
+    """What stands around ``gpdi``, which has no parameters: the system's clocks of a pixel, the pins."""
+
+    clocks: int = 4
+    family: str = "ecp5"
 
 
-@pytest.mark.parametrize("config", [Config()], ids=identifier)
+@pytest.mark.parametrize("config", [Config(), Config(2, "gowin")], ids=identifier)
 def test_gpdi(config: Config) -> None:
-    sources = [ROOT / "synth" / "boards" / "gpdi.v", Path(__file__).with_name("oddrx1f.v")]
-    simulate("gpdi", config, verilog=sources)
+    sources = [ROOT / "synth" / "boards" / name for name in ("gpdi.v", f"ddr_pair_{config.family}.v")]
+    simulate("gpdi", config, {}, verilog=[*sources, Path(__file__).with_name(f"pins_{config.family}.v")])
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(phase_ps=[100, 1300, 2500, 3700, 4900, 6100, 7900], first=[0, 1, 2, 3])
 async def every_bit(dut: Any, phase_ps: int, first: int) -> None:
     bench = Bench(dut, Config, f"every_bit {phase_ps} {first}")
+    clocks = bench.config.clocks
     dut.word_next.value, dut.words.value, dut.reset.value = 0, 0, 1
-    Clock(dut.clk, CLOCK_NS, "ns").start(start_high=False)
+    Clock(dut.clk, PIXEL_NS // clocks, "ns").start(start_high=False)
     words: list[int] = []
     bits: list[int] = []
 
@@ -54,17 +56,19 @@ async def every_bit(dut: Any, phase_ps: int, first: int) -> None:
                 await edge(dut.clk_shift)
                 await Timer(SHIFT_NS * 250, "ps")
                 bits.append(int(dut.gpdi_dp.value))
+                if bench.config.family == "gowin":
+                    bench.check("the other pin of each pair", int(dut.gpdi_dn.value), bits[-1] ^ 0xF)
 
     cocotb.start_soon(shift())
     cocotb.start_soon(watch())
-    for index in range(60 * CLOCKS):
+    for index in range(60 * clocks):
         await RisingEdge(dut.clk)
         dut.reset.value = int(index < RESET_CLOCKS)
         # The words change with the edge that ends a cycle of word_next.
-        if index % CLOCKS == (first + 1) % CLOCKS and index > RESET_CLOCKS + CLOCKS:
+        if index % clocks == (first + 1) % clocks and index > RESET_CLOCKS + clocks:
             words.append(bench.draw.getrandbits(30))
             dut.words.value = words[-1]
-        dut.word_next.value = int(index % CLOCKS == first and index >= RESET_CLOCKS + CLOCKS)
+        dut.word_next.value = int(index % clocks == first % clocks and index >= RESET_CLOCKS + clocks)
 
     # What was there before the reset is over by then.
     serial = [bit >> 3 & 1 for bit in bits]

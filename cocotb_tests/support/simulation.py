@@ -124,7 +124,7 @@ def simulate(
     name, tests = identifier(config), tests or unit
     kind = "verilog" if verilog else NETLIST or "vhdl"
     folder = ROOT / "build" / "cocotb" / kind / tests / name
-    generics = generics or dataclasses.asdict(config)
+    generics = dataclasses.asdict(config) if generics is None else generics
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "simulation.log"
     log.unlink(missing_ok=True)

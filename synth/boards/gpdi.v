@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Three data channels and a clock of TMDS on ECP5's pins: ten bits of a pixel in 40 ns, two in each cycle of
-// 125 MHz.
+// Three data channels and a clock of TMDS on pairs of pins: ten bits of a pixel in 40 ns, two in each cycle
+// of 125 MHz. A pair is the device's: ddr_pair_ecp5.v or ddr_pair_gowin.v.
 //
-// Both clocks come from one PLL, so five cycles of the one always take as long as four of the other, and what
-// is in step once stays in step. The words stand still for 40 ns; they are taken 16 to 32 ns after they
-// changed, whatever the phase between the clocks.
+// Both clocks come from one PLL, so five cycles of the one always take as long as a pixel's clocks of the
+// other, and what is in step once stays in step. The words stand still for 40 ns; they are taken 16 to 32 ns
+// after they changed, whatever the phase between the clocks.
 
 module gpdi (
   input clk,
@@ -16,7 +16,8 @@ module gpdi (
   // Of TMDS data channels 0 (blue), 1 and 2; bit 0 goes first.
   input [29:0] words,
   input clk_shift,
-  output [3:0] gpdi_dp
+  output [3:0] gpdi_dp,
+  output [3:0] gpdi_dn
 );
 
   reg changed = 1'b0;
@@ -50,9 +51,9 @@ module gpdi (
     end
   end
 
-  ODDRX1F lane_0_inst (.SCLK(clk_shift), .RST(1'b0), .D0(lane_0[0]), .D1(lane_0[1]), .Q(gpdi_dp[0]));
-  ODDRX1F lane_1_inst (.SCLK(clk_shift), .RST(1'b0), .D0(lane_1[0]), .D1(lane_1[1]), .Q(gpdi_dp[1]));
-  ODDRX1F lane_2_inst (.SCLK(clk_shift), .RST(1'b0), .D0(lane_2[0]), .D1(lane_2[1]), .Q(gpdi_dp[2]));
-  ODDRX1F lane_3_inst (.SCLK(clk_shift), .RST(1'b0), .D0(lane_3[0]), .D1(lane_3[1]), .Q(gpdi_dp[3]));
+  ddr_pair lane_0_inst (.clk(clk_shift), .bits(lane_0[1:0]), .p(gpdi_dp[0]), .n(gpdi_dn[0]));
+  ddr_pair lane_1_inst (.clk(clk_shift), .bits(lane_1[1:0]), .p(gpdi_dp[1]), .n(gpdi_dn[1]));
+  ddr_pair lane_2_inst (.clk(clk_shift), .bits(lane_2[1:0]), .p(gpdi_dp[2]), .n(gpdi_dn[2]));
+  ddr_pair lane_3_inst (.clk(clk_shift), .bits(lane_3[1:0]), .p(gpdi_dp[3]), .n(gpdi_dn[3]));
 
 endmodule

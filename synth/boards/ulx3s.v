@@ -19,44 +19,8 @@ module top (
 
   wire clk, clk_shift, locked;
 
-  // The oscillator runs at 500 MHz (400 to 800 are allowed), the clocks at a fifth and a fourth of that.
-  (* FREQUENCY_PIN_CLKI = "25" *)
-  (* ICP_CURRENT = "12" *)
-  (* LPF_RESISTOR = "8" *)
-  (* MFG_ENABLE_FILTEROPAMP = "1" *)
-  (* MFG_GMCREF_SEL = "2" *)
-  EHXPLLL #(
-    .PLLRST_ENA("DISABLED"),
-    .INTFB_WAKE("DISABLED"),
-    .STDBY_ENABLE("DISABLED"),
-    .DPHASE_SOURCE("DISABLED"),
-    .OUTDIVIDER_MUXA("DIVA"),
-    .CLKI_DIV(1),
-    .CLKFB_DIV(4),
-    .FEEDBK_PATH("CLKOP"),
-    .CLKOP_ENABLE("ENABLED"),
-    .CLKOP_DIV(5),
-    .CLKOP_CPHASE(2),
-    .CLKOP_FPHASE(0),
-    .CLKOS_ENABLE("ENABLED"),
-    .CLKOS_DIV(4),
-    .CLKOS_CPHASE(2),
-    .CLKOS_FPHASE(0)
-  ) pll (
-    .RST(1'b0),
-    .STDBY(1'b0),
-    .CLKI(clk_25mhz),
-    .CLKFB(clk),
-    .CLKOP(clk),
-    .CLKOS(clk_shift),
-    .PHASESEL0(1'b0),
-    .PHASESEL1(1'b0),
-    .PHASEDIR(1'b1),
-    .PHASESTEP(1'b1),
-    .PHASELOADREG(1'b1),
-    .PLLWAKESYNC(1'b0),
-    .ENCLKOP(1'b0),
-    .LOCK(locked)
+  ecp5_clocks #(.divider(4)) clocks_inst (
+    .crystal(clk_25mhz), .clk(clk), .clk_shift(clk_shift), .locked(locked)
   );
 
   wire reset;
@@ -71,7 +35,7 @@ module top (
 
   gpdi gpdi_inst (
     .clk(clk), .reset(reset), .word_next(video_next), .words(video_words), .clk_shift(clk_shift),
-    .gpdi_dp(gpdi_dp)
+    .gpdi_dp(gpdi_dp), .gpdi_dn()
   );
 
 endmodule
