@@ -82,9 +82,10 @@ formal: setup ## prove units and core over their netlists; writes docs/reports/f
 	@$(VENV) -m scripts.formal --jobs $(JOBS) $(if $(T),--only '$(T)')
 
 .PHONY: rtl
-rtl: setup ## write rtl/generated/ from their Python sources, and quadshade.core from rtl/files.f
+rtl: setup ## write rtl/generated/ from Python, quadshade.core and docs/reference/ports.md from the RTL
 	@$(VENV) -m scripts.generate_vhdl
 	@$(VENV) -m scripts.release.fusesoc
+	@$(VENV) -m scripts.docs.ports
 
 .PHONY: docs
 docs: setup ## build the documentation as a site, with the RTL's timing diagrams: build/docs/

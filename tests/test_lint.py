@@ -193,6 +193,23 @@ def test_generated_package_is_current() -> None:
     assert result.returncode == 0, result.stderr
 
 
+def test_port_tables_are_current() -> None:
+    result = run(sys.executable, "-m", "scripts.docs.ports", "--check")
+    assert result.returncode == 0, result.stderr
+
+
+def test_vhdl_style(tmp_path: Path) -> None:
+    """The RTL keeps the rules of vsg that ``rtl/vsg.yaml`` does not leave out; a broken one is found."""
+    vsg, settings = Path(sys.executable).with_name("vsg"), ROOT / "rtl" / "vsg.yaml"
+    result = run(vsg, "-c", settings, "-of", "syntastic", "-f", *rtl_files())
+    assert result.returncode == 0, result.stdout
+    bad = tmp_path / "bad.vhd"
+    good = (ROOT / "rtl" / "core" / "setup_loader.vhd").read_text()
+    bad.write_text(good.replace("process (", "PROCESS ("))
+    result = run(vsg, "-c", settings, "-of", "syntastic", "-f", bad)
+    assert result.returncode == 1 and "process_005" in result.stdout
+
+
 def test_rtl_analyses_and_synthesises(tmp_path: Path) -> None:
     options = ["--std=08", f"--workdir={tmp_path}"]
     # In the order of files.f, which is therefore bottom-up.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Writes the pixels of Amaranth's painter to painter.csv: the columns of `quadshade words` but for the packet.
+// Writes the pixels of Amaranth's painter to painter.csv: columns of `quadshade words` but for the packet.
 
 `timescale 1ns / 1ps
 

@@ -47,9 +47,9 @@ def unit_page(unit: Unit, all_units: dict[str, Unit], diagram: str) -> str:
         unit.timing,
         diagram,
         "## Generics",
-        _generics(unit.generics),
+        generics_table(unit.generics),
         "## Ports",
-        _ports(unit.ports),
+        ports_table(unit.ports),
         "## Resources",
         _resources(unit.name),
         "## Sources",
@@ -80,7 +80,8 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|")
 
 
-def _generics(generics: list[Declaration]) -> str:
+def generics_table(generics: list[Declaration]) -> str:
+    """The generics of a unit, a row each."""
     if not generics:
         return "None."
     # Units that only hand a generic on leave its meaning to the contract.
@@ -92,7 +93,8 @@ def _generics(generics: list[Declaration]) -> str:
     return "\n".join(["| name | type | default | meaning |", "| --- | --- | ---: | --- |", *rows])
 
 
-def _ports(ports: list[Declaration]) -> str:
+def ports_table(ports: list[Declaration]) -> str:
+    """The ports of a unit, a row each."""
     rows = [
         f"| `{p.name}` | {p.direction} | `{p.kind}` | `{_cell(p.width)}` | {_cell(p.meaning)} |"
         for p in ports
