@@ -77,11 +77,31 @@ def test_fusesoc_takes_it(unpacked: Path, tmp_path: Path, target: str) -> None:
     assert ("pixels are equal" in said) == (target == "sim")
 
 
+def test_fusesoc_maps_it(unpacked: Path, tmp_path: Path) -> None:
+    """Yosys takes minutes: one that only parses gets the family's commands and a whole netlist."""
+    yosys = tmp_path / "yosys"
+    yosys.write_text("""#!/bin/sh
+echo "$3" > commands
+iverilog -g2005 -tnull -s raster_core raster_core.v || exit 1
+echo mapped > raster_core.cells
+""")
+    yosys.chmod(0o755)
+    command = f"YOSYS={yosys} {FUSESOC} --cores-root {unpacked} run --target=synth_gowin quadshade::quadshade"
+    assert "\nmapped\n" in run(command, tmp_path)
+    (folder,) = tmp_path.glob("build/*/synth_gowin")
+    text = (folder / "commands").read_text()
+    assert "synth_gowin -top raster_core -noiopads" in text and "keep_hierarchy 1 channel_lane*" in text
+    assert '"' not in (folder / "raster_core.v").read_text()
+
+
 def test_netlists_are_whole(unpacked: Path) -> None:
     for path in sorted(unpacked.glob("netlists/*.v")):
         text = path.read_text()
         assert text.startswith("// SPDX-License-Identifier: Apache-2.0\n")
         assert "Its generics are fixed" in text and str(ROOT) not in text
+        modules = re.findall(r"^(.*)\nmodule (\w+)", text, re.MULTILINE)
+        kept = {name for before, name in modules if before == '(* keep_hierarchy = "yes" *)'}
+        assert kept == {name for _, name in modules if name.startswith("channel_lane")} != set()
         top = re.findall(r"^// (\w+) of Quadshade", text, re.MULTILINE)
         run(["iverilog", "-g2005", "-tnull", "-s", *top, path], unpacked)
         run(["verilator", "--lint-only", "-Wno-fatal", "--top-module", *top, path], unpacked)

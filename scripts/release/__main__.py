@@ -28,6 +28,7 @@ from scripts.one_line_errors import one_line_errors
 ROOT = Path(__file__).resolve().parents[2]
 NETLISTS = ROOT / "synth" / "netlists.toml"
 BITSTREAMS = ROOT / "build" / "bitstream"
+HOOK = ROOT / "synth" / "fusesoc" / "cells.py"
 BENCH = ("core_tb.vhd", "core_tb.v", "triangles.json", "words.hex", "words.pixels.csv")
 
 ABOUT = """\
@@ -62,12 +63,19 @@ def changes() -> str:
     return section[0].rstrip() + "\n"
 
 
+def keep_lanes(verilog: bytes) -> bytes:
+    """A netlist that says that the lanes are kept apart: merged, their copies of the control would be one."""
+    return re.sub(
+        rb"^(?=module channel_lane)", b'(* keep_hierarchy = "yes" *)\n', verilog, flags=re.MULTILINE
+    )
+
+
 def netlists() -> dict[str, tuple[str, bytes]]:
     """File name of each named configuration, with what it is and the netlist."""
     found = {}
     for name, entry in tomllib.loads(NETLISTS.read_text()).items():
         path = write_netlist(entry.get("generics", {}), entry["entity"], root=ROOT)
-        found[f"netlists/{name}.v"] = (entry["text"], path.read_bytes())
+        found[f"netlists/{name}.v"] = (entry["text"], keep_lanes(path.read_bytes()))
     return found
 
 
@@ -83,7 +91,7 @@ def files() -> dict[str, bytes]:
     rows = [f"| `{name}` | {text} |" for name, (text, _) in written.items()]
     rows += [f"| `{name}` | the board, as `make program` loads it |" for name in built]
     about = ABOUT.format(version=quadshade.__version__, definition=definition_hash(), rows="\n".join(rows))
-    copied = [ROOT / "LICENSE", ROOT / "quadshade.core", ROOT / "rtl" / "files.f", *rtl_files(ROOT)]
+    copied = [ROOT / "LICENSE", ROOT / "quadshade.core", ROOT / "rtl" / "files.f", *rtl_files(ROOT), HOOK]
     copied += [ROOT / "examples" / "design" / name for name in BENCH]
     content = {str(path.relative_to(ROOT)): path.read_bytes() for path in copied}
     content |= {name: data for name, (_, data) in written.items()} | built

@@ -40,6 +40,9 @@ TOPS = {
 }
 """Targets: the entity, its filesets, and what it is."""
 
+FAMILIES = ("ecp5", "ice40", "gowin")
+"""Yosys' names of the families that a target maps the core to."""
+
 HEADER = """\
 CAPI=2:
 # SPDX-License-Identifier: Apache-2.0
@@ -63,6 +66,7 @@ def content() -> dict[str, Any]:
             {"examples/design/words.pixels.csv": {"file_type": "user", "copyto": "words.pixels.csv"}},
         ]
     }
+    filesets["synth"] = {"files": [{"synth/fusesoc/cells.py": {"file_type": "user", "copyto": "cells.py"}}]}
     targets: dict[str, Any] = {"default": {"filesets": ["core"], "toplevel": f"{LIBRARY}.raster_core"}}
     for name, (entity, sets, text) in TOPS.items():
         targets[name] = {"description": text, "filesets": sets, "toplevel": f"{LIBRARY}.{entity}"}
@@ -77,6 +81,15 @@ def content() -> dict[str, Any]:
                 "sim_options": ["--no-run"],
             },
         }
+    for family in FAMILIES:
+        targets[f"synth_{family}"] = {
+            "description": f"raster_core in cells of {family}, by GHDL and the Yosys that YOSYS names",
+            "filesets": ["core", "synth"],
+            "toplevel": f"{LIBRARY}.raster_core",
+            "flow": "sim",
+            "flow_options": {"tool": "ghdl", "sim_options": ["--no-run"]},
+            "hooks": {"post_build": [f"cells_{family}"]},
+        }
     targets["sim"] = {
         "description": "send words.hex to raster_core with GHDL, compare words.pixels.csv",
         "filesets": ["core", "bench"],
@@ -84,10 +97,15 @@ def content() -> dict[str, Any]:
         "flow": "sim",
         "flow_options": {"tool": "ghdl", "sim_options": ["--ieee-asserts=disable"]},
     }
+    scripts = {
+        f"cells_{family}": {"cmd": ["python3", "cells.py", "raster_core", family], "filesets": ["synth"]}
+        for family in FAMILIES
+    }
     return {
         "name": f"{LIBRARY}::{LIBRARY}:{quadshade.__version__}",
         "description": DESCRIPTION,
         "filesets": filesets,
+        "scripts": scripts,
         "targets": targets,
     }
 
