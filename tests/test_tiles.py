@@ -270,6 +270,23 @@ def test_no_board_is_too_small_and_no_picture_too_large() -> None:
             quadshade.render("icosphere:0", port=opened, size=(9000, 3))
 
 
+@pytest.mark.parametrize(
+    ("size", "board", "least", "ortho"),
+    [((40, 30), (3, 2), 60, 1.0), ((4096, 1024), (24, 20), 4, 15)],
+    ids=["many", "far"],
+)
+def test_tiles_of_a_tiny_screen(
+    size: tuple[int, int], board: tuple[int, int], least: int, ortho: float
+) -> None:
+    """Tiles of six pixels; and a small thing amid a picture of four million."""
+    asked = {"size": size, "camera": f"from=1,2,3,ortho={ortho}"}
+    model = quadshade.render("icosphere:0", engine="model", **asked).array
+    with small_board(*board) as opened:
+        drawn = quadshade.render("icosphere:0", port=opened, verify="crc", **asked)
+    assert np.array_equal(drawn.array, model) and model.any()
+    assert int(re.search(r"in (\d+) tile", drawn.summary)[1]) >= least
+
+
 def test_a_picture_that_no_memory_holds_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise MemoryError

@@ -66,7 +66,7 @@ def connect(address: str) -> Any:
     for name in LOGGERS:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     # Made before it connects, so that one that cannot is closed here. Left alone it closes itself when it is
-    # collected, in whatever thread that happens: in its own, or that of another client, it would wait for ever.
+    # collected, in whatever thread that is: in its own, or in another client's, it would wait for ever.
     client = Client.__new__(Client)
     try:
         Client.__init__(client, address, timeout=CONNECT_SECONDS)

@@ -25,6 +25,7 @@ import numpy as np
 from quadshade.engine.tool_runner import run_to_end
 from quadshade.files.markdown import markdown_table
 from scripts.experiments.mesh_reader_adapters import ADAPTERS, OTHERS
+from scripts.experiments.real_meshes import debian_files
 from scripts.experiments.report_writer import (
     LICENCE,
     REPORTS,
@@ -157,12 +158,7 @@ def fetch_readers(folder: Path) -> dict[str, str]:
 
 def fetch_samples(folder: Path) -> list[Path]:
     """Debian's sample files; none where apt cannot fetch them."""
-    run_to_end(["apt-get", "download", SAMPLES], folder)
-    packages = list(folder.glob(f"{SAMPLES}*.deb"))
-    if not packages:
-        return []
-    run_to_end(["dpkg", "-x", packages[0].name, "."], folder)
-    return sorted(path for path in folder.rglob("*") if path.suffix.lower()[1:] in KINDS)
+    return [path for path in debian_files(SAMPLES, folder) if path.suffix.lower()[1:] in KINDS]
 
 
 def by_kind(results: dict[str, dict[str, str]]) -> Iterator[list[str]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Boards that are simulated here or at workers: a real board's screen, and the generics that a picture needs."""
+"""Boards that are simulated, here or at workers: a real screen, and the generics that a picture needs."""
 
 from __future__ import annotations
 
