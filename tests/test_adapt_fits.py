@@ -13,6 +13,9 @@ import pytest
 import quadshade
 from quadshade.adapt import Adapted, ErrorCurve, adapt, error_figures, pixel_errors
 from quadshade.adapt.costs import stream_bytes
+from quadshade.adapt.plan import Plan
+from quadshade.adapt.refit import Refit
+from quadshade.choices import ADAPTIVE_FITS
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
 from quadshade.scene import Projected, fit_camera, load_scene, project
@@ -66,7 +69,7 @@ def size_of(adapted: Adapted) -> int:
 def test_fits_take_no_more_bytes_and_keep_the_error(scene: str, shading: str) -> None:
     whole = looked_at(scene)
     sizes = {}
-    for fit in ("six-point", "minimax"):
+    for fit in ADAPTIVE_FITS:
         curve = ErrorCurve(whole, None, SHINY, shading=shading, fit=fit)
         for error in (12.0, 4.0, 1.3):
             adapted = curve.for_error(error)
@@ -74,7 +77,7 @@ def test_fits_take_no_more_bytes_and_keep_the_error(scene: str, shading: str) ->
             assert adapted.error <= error
             sizes[fit, error] = size_of(adapted)
     for error in (12.0, 4.0, 1.3):
-        assert sizes["minimax", error] <= sizes["six-point", error]
+        assert sizes["minimax", error] <= sizes["auto", error] <= sizes["six-point", error]
     assert sum(sizes["minimax", error] < sizes["six-point", error] for error in (12.0, 4.0, 1.3)) >= 2
 
 
@@ -107,6 +110,28 @@ def test_errors_and_budgets_are_monotonic() -> None:
         assert adapted.error <= plain.for_budget(budget).error
         for_budget.append(adapted.error)
     assert for_budget == sorted(for_budget, reverse=True)
+
+
+def test_auto_fits_only_what_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One picture is fitted anew for an error, where minimax fits four; for a budget until one is too dear."""
+    whole, asked = looked_at("torus:288"), []
+    cheapest = Refit.cheapest
+
+    def counted(refit: Refit, plan: Plan) -> Plan:
+        asked.append(refit.max_error)
+        return cheapest(refit, plan)
+
+    monkeypatch.setattr(Refit, "cheapest", counted)
+    numbers = {}
+    for fit in ("auto", "minimax"):
+        curve = ErrorCurve(whole, None, SHINY, shading="quadratic-specular", fit=fit)
+        asked.clear()
+        assert curve.for_error(6.0).error <= 6
+        numbers[fit] = len(asked)
+    assert numbers == {"auto": 1, "minimax": 4}
+    plain = ErrorCurve(whole, None, SHINY, shading="quadratic-specular").for_budget(12_000)
+    fitted = adapt(whole, None, SHINY, budget=12_000, shading="quadratic-specular", fit="auto")
+    assert size_of(fitted) <= 12_000 and fitted.error <= plain.error
 
 
 @pytest.mark.parametrize("limit", [{"max_error": 2.0}, {"budget": 2600}])

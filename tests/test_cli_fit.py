@@ -111,6 +111,7 @@ def test_parts_of_supersampled_pictures_cover_what_their_triangles_do() -> None:
     [
         (("--fit", "minimax", "--shading", "gouraud"), "--fit minimax with the shading gouraud"),
         (("--fit", "smooth", "--setup", "abbas"), "--fit smooth with --setup abbas"),
+        (("--fit", "auto"), "--fit auto without --max-error or --budget"),
         (("--fit", "smooth", "--max-error", "2"), "--fit smooth with --max-error or --budget"),
         (("--fit", "c1", "--shading", "quadratic-specular"), "--fit c1 with the shading quadratic-specular"),
         (("--fit", "minimax", "--shading", "quadratic-specular", "--toon", "3"), "with steps of a cartoon"),

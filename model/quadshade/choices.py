@@ -37,8 +37,14 @@ FITS = ("six-point", "least-squares", "minimax", "smooth", "c1")
 ``c1``             least squares without jumps: triangles are split where one could be seen
 """
 
-ADAPTIVE_FITS = ("six-point", "minimax")
-"""Fits of pictures for an allowed error or a budget."""
+ADAPTIVE_FITS = ("six-point", "minimax", "auto")
+"""
+Of pictures for an allowed error or a budget: ``minimax`` also fits those for stricter limits anew, ``auto``
+only the one that is found, and takes what is cheaper.
+"""
+
+ALL_FITS = (*FITS, "auto")
+"""What ``--fit`` takes."""
 
 SPECULAR_FITS = FITS[:3]
 """Fits of cosines, for the power at the pixel."""

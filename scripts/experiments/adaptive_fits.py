@@ -9,6 +9,7 @@ pip fetches at run time; without a package index they are left out, and the repo
 from __future__ import annotations
 
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import click
 import numpy as np
 from rich.console import Console
 
-from quadshade.adapt import ErrorCurve, error_figures, pixel_errors, stream_bytes
+from quadshade.adapt import ErrorCurve, adapt, error_figures, pixel_errors, stream_bytes
 from quadshade.engine import draw
 from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
@@ -29,22 +30,25 @@ REPORT = REPORTS / "adapt_fits.md"
 GENERATED = ("sphere:168", "sphere:374", "sphere:690", "torus:288")
 ERRORS = (16.0, 8.0, 4.0, 2.0, 1.0, 0.7)
 """Grey levels."""
+KINDS = {"plain": "six-point", "fitted": "minimax", "auto": "auto"}
+"""Fits, by their names in the JSON file."""
+TIMED = 4.0
+"""The error for which planning is timed, every fit from the start."""
 WANTED = 0.9
 """Share of the bytes that fits should leave."""
 COLUMNS = (
     "mesh", "max error", "channels", "bytes, six points", "with fits", "share", "parts", "parts with fits",
-    "measured", "flat", "share",
+    "measured", "auto", "share", "flat", "share",
 )  # fmt: skip
 
 
 def rows_of(name: str, whole: Projected, material: Material) -> Iterator[dict]:
     """For each error what is picked without and with fits, every pixel drawn anew and compared."""
-    plain = ErrorCurve(whole, None, material, shading="auto")
-    fitted = ErrorCurve(whole, None, material, shading="auto", fit="minimax")
-    flat = min(curve.picture(0).plan.bytes for curve in plain.curves)
+    curves = {key: ErrorCurve(whole, None, material, shading="auto", fit=fit) for key, fit in KINDS.items()}
+    flat = min(curve.picture(0).plan.bytes for curve in curves["plain"].curves)
     for error in ERRORS:
         row: dict = {"mesh": name, "max_error": error, "flat_bytes": flat}
-        for key, curve in (("plain", plain), ("fitted", fitted)):
+        for key, curve in curves.items():
             adapted = curve.for_error(error)
             drawing = draw(adapted.triangles, adapted.formats)
             off = pixel_errors(drawing.pixels, adapted.root, whole, None, material, adapted.formats)
@@ -54,16 +58,25 @@ def rows_of(name: str, whole: Projected, material: Material) -> Iterator[dict]:
                 "parts": len(adapted.triangles),
                 "max": error_figures(off).largest,
             }
+            if error == TIMED:
+                begun = time.process_time()
+                adapt(whole, None, material, max_error=error, shading="auto", fit=KINDS[key])
+                row[key]["seconds"] = time.process_time() - begun
         yield row
+
+
+def shares(rows: list[dict], key: str, quantity: str = "bytes") -> list[float]:
+    """What a fit takes over what six points take, of the rows where it is known."""
+    return [row[key][quantity] / row["plain"][quantity] for row in rows if quantity in row[key]]
 
 
 def cells(row: dict) -> list[str]:
     """One line of the table."""
-    plain, fitted, flat = row["plain"], row["fitted"], row["flat_bytes"]
+    plain, fitted, auto, flat = row["plain"], row["fitted"], row["auto"], row["flat_bytes"]
     return [
         row["mesh"], f"{row['max_error']:g}", fitted["channels"], str(plain["bytes"]), str(fitted["bytes"]),
         f"{fitted['bytes'] / plain['bytes']:.3f}", str(plain["parts"]), str(fitted["parts"]),
-        f"{fitted['max']:.2f}", str(flat), f"{flat / plain['bytes']:.3f}",
+        f"{fitted['max']:.2f}", str(auto["bytes"]), f"{auto['bytes'] / plain['bytes']:.3f}", str(flat), f"{flat / plain['bytes']:.3f}",
     ]  # fmt: skip
 
 
@@ -72,7 +85,7 @@ def summary(rows: list[dict]) -> list[list[str]]:
     out = []
     for error in ERRORS:
         mine = [row for row in rows if row["max_error"] == error]
-        left = [row["fitted"]["bytes"] / row["plain"]["bytes"] for row in mine]
+        left = shares(mine, "fitted")
         bound = [row["flat_bytes"] / row["plain"]["bytes"] for row in mine]
         forbidden = sum(share > WANTED for share in bound)
         out.append(
@@ -84,9 +97,10 @@ def summary(rows: list[dict]) -> list[list[str]]:
 
 def text(rows: list[dict], command: str, size: int, exponent: float, missing: bool) -> str:
     """The report."""
-    left = [row["fitted"]["bytes"] / row["plain"]["bytes"] for row in rows]
-    more = sum(row["fitted"]["bytes"] > row["plain"]["bytes"] for row in rows)
-    beyond = sum(row["fitted"]["max"] > row["max_error"] for row in rows)
+    left, auto = shares(rows, "fitted"), shares(rows, "auto")
+    more = sum(share > 1 for share in left + auto)
+    beyond = sum(row[key]["max"] > row["max_error"] for row in rows for key in KINDS)
+    time_auto, time_minimax = (shares(rows, key, "seconds") for key in ("auto", "fitted"))
     lines = [
         "# Fits for an allowed error",
         "",
@@ -98,7 +112,7 @@ def text(rows: list[dict], command: str, size: int, exponent: float, missing: bo
         paragraph(
             "`quadshade render --max-error`, every pixel verified: bytes of the set-up stream and of the "
             "shade unit's state as planned by default (*six points*) and "
-            "with `--fit minimax`, both by this run. "
+            "with `--fit minimax` or `--fit auto`, all by this run. "
             "*Flat* is the picture with every channel of the undivided mesh constant, of the "
             "channels of which "
             "it takes least: no picture of these triangles takes fewer bytes, so its share is the least "
@@ -108,6 +122,14 @@ def text(rows: list[dict], command: str, size: int, exponent: float, missing: bo
         paragraph(
             f"Over all {len(rows)} rows the median share that is left is {np.median(left):.3f}, the least "
             f"{min(left):.3f}. {more} rows take more bytes with fits, {beyond} exceed the error."
+        ),
+        "",
+        paragraph(
+            f"`--fit auto` fits only the picture that is found: the median share is {np.median(auto):.3f}, the "
+            f"least {min(auto):.3f}. For {TIMED:g} grey levels planning takes {np.median(time_auto):.1f} times "
+            f"as much processor time as with six points ({min(time_auto):.1f} to {max(time_auto):.1f}), with "
+            f"`minimax` {np.median(time_minimax):.1f} times ({min(time_minimax):.1f} to "
+            f"{max(time_minimax):.1f})."
         ),
         "",
     ]

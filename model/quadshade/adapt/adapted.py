@@ -18,7 +18,7 @@ from quadshade.adapt.plan import LineCount, Planner
 from quadshade.adapt.refit import Refit
 from quadshade.adapt.result import Adapted, Rival
 from quadshade.adapt.shader import Shader
-from quadshade.choices import ADAPTIVE_FITS, MEASURES, UNITS, check_word
+from quadshade.choices import ADAPTIVE_FITS, FITS, MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
 from quadshade.packing.line import picture_line_bytes
@@ -77,6 +77,8 @@ class ErrorCurve:
                 "leave out the fit, or the error measure and what leaves the verification out",
             )
         self.fit = fit
+        # Limits that are looked at for pictures fitted anew, and ended by so many too dear ones.
+        self._window = WINDOW if fit in FITS else 0
         self._refits: dict[tuple[str, int], Picture] = {}
         check_word("error measure", measure, MEASURES)
         check_word("shading", shading, SHADINGS)
@@ -210,7 +212,7 @@ class ErrorCurve:
         plan = Refit(curve.planner, max_error).cheapest(picture.plan)
         first = curve.first_within(max_error)
         tried = [picture, Picture(plan, plan.error(verify=True))]
-        tried += [self._refit(curve, index) for index in range(first, min(first + WINDOW, len(curve)))]
+        tried += [self._refit(curve, index) for index in range(first, min(first + self._window, len(curve)))]
         return min(tried, key=lambda one: (one.error > max_error, one.cost("bytes"), one.error))
 
     def _best_refit(self, picture: Picture, budget: int, unit: str) -> Picture:
@@ -224,7 +226,7 @@ class ErrorCurve:
             dear = 0 if paid else dear + 1
             if paid:
                 best = min(best, tried, key=lambda one: (one.error, one.cost(unit)))
-            if dear == WINDOW:
+            if dear >= max(self._window, 1):
                 break
         return best
 
@@ -296,7 +298,8 @@ def adapt(
     fit : str
       ``six-point``: the planner's own polynomials. ``minimax``: parts are fitted anew at their pixels, a
       light's channels together, and the cheapest orders are taken whose drawing keeps the limit (``max``,
-      verified). Never more bytes; several times the time.
+      verified); so are the pictures for some stricter limits. ``auto``: only the picture that is found is
+      fitted anew. Never more bytes; it takes longer.
 
     Returns
     -------

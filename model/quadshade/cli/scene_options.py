@@ -6,9 +6,9 @@ from __future__ import annotations
 import click
 
 from quadshade.choices import (
+    ALL_FITS,
     DEFAULT_SHADING,
     DEFAULT_SIZE,
-    FITS,
     JUMP,
     MAX_ERROR,
     MEASURES,
@@ -184,12 +184,13 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
         option(
             "Shading",
             "--fit",
-            type=click.Choice(FITS),
-            default=FITS[0],
+            type=click.Choice(ALL_FITS),
+            default=ALL_FITS[0],
             show_default=True,
             help="Which quadratic a triangle gets: through six samples, the best for the squared or the "
             "largest error over the whole picture, with smaller jumps of the derivative across edges, or "
-            "without, in parts where a jump could be seen (c1).",
+            "without, in parts where a jump could be seen (c1); auto: with --max-error or --budget what takes "
+            "fewer bytes, six samples or each part fitted anew.",
         ),
         option(
             "Shading",

@@ -103,7 +103,7 @@ def render(
       Steps of diffuse light; needs a ``-specular`` shading.
     fit : str
       ``six-point``, ``least-squares``, ``minimax``, ``smooth`` or ``c1``: which quadratic a triangle gets
-      (``docs/explanation/fit.md``).
+      (``docs/explanation/fit.md``); for an error or a budget ``six-point``, ``minimax`` or ``auto``.
     smoothness : float, optional
       Weight of jumps against errors, in pixels, with ``smooth``; 30.
     jump : float, optional

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quadshade.choices import (
+    ALL_FITS,
     AUTO,
     DEFAULT_SHADING,
     DEFAULT_SIZE,
     EDGE_KINDS,
     EDGE_VARIANTS,
-    FITS,
     GBUFFER_ORDERS,
     MAX_ERROR,
     MEASURES,
@@ -76,7 +76,7 @@ class SceneChoice:
     crease: float | None = None
     background: str | float | Sequence[float] | None = None
     generics: Mapping[str, int] | Sequence[str] | Formats = ()
-    fit: str = FITS[0]
+    fit: str = ALL_FITS[0]
     smoothness: float | None = None
     jump: float | None = None
     supersample: int = 1
@@ -85,7 +85,7 @@ class SceneChoice:
     def __post_init__(self) -> None:
         if self.shading is not None:
             check_word("shading", self.shading, SHADINGS)
-        check_word("fit", self.fit, FITS)
+        check_word("fit", self.fit, ALL_FITS)
         if self.smoothness is not None and self.fit != "smooth":
             raise QuadshadeError(f"a smoothness with the fit {self.fit}", "give --fit smooth")
         if self.jump is not None and self.fit != "c1":

@@ -185,6 +185,8 @@ class RenderSettings:
         scene, shading, method = self.scene, self.scene.interpolation, self.setup.setup
         if scene.fit == FITS[0] or self.adapt.is_adaptive:
             return
+        if scene.fit not in FITS:
+            raise QuadshadeError(f"--fit {scene.fit} without --max-error or --budget", "give one of them")
         fitted = FITS if shading == DEFAULT_SHADING else SPECULAR_FITS
         what = None
         if scene.fit not in fitted or shading not in (DEFAULT_SHADING, "quadratic-specular"):

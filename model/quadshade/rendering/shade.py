@@ -323,6 +323,6 @@ def adapted_scene(
         projected, lights, surface, formats, **settings.adapt.arguments(),
         shading=shading or "auto", specular=specular, count_line=count, fit=fit,
     )  # fmt: skip
-    if adapted.fit != fit:
+    if fit in FITS and adapted.fit != fit:
         reports.notice(f"fit: no picture of the fit {fit} is better, so it is drawn without")
     return adapted
