@@ -27,8 +27,6 @@ FAINT = 1e-4
 """Weight of a point without specular light."""
 DARK = 0.02
 """Weight of a point in the dark, where a diffuse cosine only has to be negative."""
-NOTHING = 2.0**-20
-"""Output units: where a polynomial is off by less, no better one is looked for."""
 
 
 class CosineKind(NamedTuple):
@@ -227,8 +225,6 @@ def _best(
             least, largest, square = score, most_off, mean
             for i in range(size):
                 best[i] = tried[i]
-            if most_off < NOTHING:
-                break
     return largest, square
 
 
