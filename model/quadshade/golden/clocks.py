@@ -43,10 +43,11 @@ class _Pipeline(NamedTuple):
 @numba.njit(cache=True)
 def _walks(stages: Ints, head: int) -> bool:
     """Whether the edge walker is busy; a span without pixels is not kept beyond ``COUNTED_STAGE``."""
-    for stage in range(1, WALK_STAGES):
-        pixels = stages[(head + stage) % WALK_STAGES]
-        if pixels > 0 or (pixels == 0 and stage <= COUNTED_STAGE):
-            return True
+    for place in range(WALK_STAGES):
+        if stages[place] >= 0:
+            stage = (place - head) % WALK_STAGES
+            if stage > 0 and (stages[place] > 0 or stage <= COUNTED_STAGE):
+                return True
     return False
 
 
@@ -121,6 +122,10 @@ def _count_clocks(
                 return cycle
             if not moves:
                 cycle += pause(line, board, cycle, busy)
+                if not (board.full or first_0 or first_1):
+                    # The core stands still; the unpacker may not.
+                    board_clock(line, board, cycle, False, False, busy)
+                    continue
             offered_beat = board.full == 1
             board_clock(line, board, cycle, ready, pixel_out, busy)
             ready = ready and offered_beat
