@@ -109,6 +109,7 @@ class Planner:
         words = len(heads) * flat - shader.second_words * int((heads["rows_second"] == 0).sum())
         more = shader.least_more(self.phong.ranges > 2 * max_error)
         words += np.minimum(more, flat - shader.second_words).sum()
+        words -= shader.depth_words * shader.constant_depth(self.projected)[heads["triangle"]].sum()
         return 4 * int(words) + shader.state_bytes()
 
     def divides_much(self, max_error: float) -> bool:
@@ -130,7 +131,8 @@ class Planner:
             return None
         one_edge = self.shader.second_words * (packets[:, 0] - packets[:, 1]).sum()
         words = self.shader.words(orders) @ packets[:, 0] - one_edge
-        return 4 * int(np.rint(words)) + self.shader.state_bytes(first)
+        flat = packets[self.shader.constant_depth(surface.projected), 0].sum()
+        return 4 * int(np.rint(words - self.shader.depth_words * flat)) + self.shader.state_bytes(first)
 
     def for_limit(self, max_error: float, verify: bool) -> Plan:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""

@@ -19,7 +19,7 @@ from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.scene.project import Projected
 from quadshade.scene.subdivide import Edges, shared_edges
-from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.setup.triangle_setup import has_constant_depth, setup_triangles
 from quadshade.shading.lights import Light, default_lights
 from quadshade.shading.material import Material
 from quadshade.shading.phong_loops import LitMesh, lit_mesh
@@ -139,6 +139,10 @@ class Shader:
         self.packet_words += NUM_DIFFERENCES[CONSTANT] * unused.sum()
         if self.formats.with_depth:
             self.packet_words += NUM_DIFFERENCES[LINEAR] * share[-1]
+            self.depth_words = MORE_LINEAR * share[-1]
+
+    depth_words = 0.0
+    """What a packet with constant depth takes less, where there is depth."""
 
     first = 0
     """Of power tables, where there are any: pictures read little before this entry."""
@@ -288,6 +292,12 @@ class Shader:
     def words(self, orders: np.ndarray) -> np.ndarray:
         """(...) float64 words of packets with a middle vertex, for (..., channels) orders."""
         return self.packet_words + NUM_DIFFERENCES[orders] @ self.difference_words
+
+    def constant_depth(self, projected: Projected) -> np.ndarray:
+        """(n,) bool: triangles whose packets take :attr:`depth_words` less."""
+        if not self.formats.with_depth:
+            return np.zeros(len(projected), bool)
+        return has_constant_depth(projected.depth, self.formats)
 
     def set_up(self, projected: Projected, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """

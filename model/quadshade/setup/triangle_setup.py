@@ -58,6 +58,13 @@ def _first_misfit(
     return -1, -1
 
 
+def has_constant_depth(depth: np.ndarray, formats: Formats) -> np.ndarray:
+    """(n,) bool: triangles with one depth at all corners, where that saves words of their packets."""
+    alone = len(formats.channel_groups[-1]) == 1
+    same: np.ndarray = (depth == depth[:, :1]).all(axis=1) & alone
+    return same
+
+
 def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.ndarray, np.ndarray]:
     """Samples (n, carried, 6) and orders (n, carried) with depth as the last channel, all in range."""
     count, channels = len(triangles), formats.num_channels
@@ -72,7 +79,8 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
     orders = np.zeros((count, formats.carried_channels), dtype=np.int64)
     samples[:, :channels], orders[:, :channels] = triangles.samples, triangles.orders
     if formats.with_depth and triangles.depth is not None:
-        samples[:, channels, :3], orders[:, channels] = triangles.depth, LINEAR
+        samples[:, channels, :3] = triangles.depth
+        orders[:, channels] = np.where(has_constant_depth(triangles.depth, formats), CONSTANT, LINEAR)
     for channel, most in enumerate(formats.channel_max_order):
         order = orders[:, channel]
         wrong = (order < CONSTANT) | (order > most)
