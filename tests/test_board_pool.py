@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,8 @@ from quadshade.board.pool import BoardPool, Work
 from quadshade.choices import parse_ports
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.rendering import Reports
+from quadshade.rendering import Reports, open_board
+from quadshade.rendering.groups import PortChoice
 from scripts.experiments.pool_faults import PICTURE, doom, expected_picture, run_with_faults
 from tests.test_board_api import run
 from tests.test_setup_tile import ICEBREAKER
@@ -59,6 +61,28 @@ def test_boards_of_any_kind_draw_the_same(model: np.ndarray) -> None:
             assert fine and np.array_equal(drawn.array, model)
         assert all(board.statistics["triangles"] > 0 for board in opened)
     assert told == []
+
+
+def test_a_board_that_is_left_out_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three at the ports one does not answer, then two; the picture is of those that drew it."""
+    told: list[str] = []
+    silent: tuple[int, ...] = ()
+    real = open_board._open
+
+    def some_answer(port: PortChoice, number: int, *rest: Any) -> Board:
+        if number in silent:
+            raise QuadshadeError("no board answers")
+        return real(port, number, *rest)
+
+    monkeypatch.setattr(open_board, "_open", some_answer)
+    settings = {"port": "sim:3", "engine": "model", "size": (24, 20), "reports": Reports(told.append)}
+    for numbers, left in (((), 3), ((1,), 2), ((0, 2), 1)):
+        silent = numbers
+        drawn = quadshade.render("sphere:24", **settings)
+        port = drawn.stats.port
+        assert f"drawn by the board at {port}" in drawn.summary
+        assert port == "sim:3" if left == 3 else len(port.split(", ")) == left
+    assert told == ["the board at sim is left out: no board answers"] * 3
 
 
 def test_a_mix_with_one_channel_and_no_depth_is_grey_in_painters_order() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +17,13 @@ from quadshade.animation import Motion
 from quadshade.board import Board, BoardSettings
 from quadshade.board.fallbacks import sent_triangles
 from quadshade.board.frame_time import BoardClock, picture_clocks
+from quadshade.choices import PACK_ERROR
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
-from quadshade.rendering.in_time import USED, Pace
+from quadshade.rendering.in_time import USED
 from quadshade.rendering.settings import Reports
+from quadshade.rendering.timing import Pace
 
 SIZE = (64, 48)
 QUIET = Reports(notice=lambda _: None)
@@ -32,17 +35,25 @@ def run(*arguments: object) -> Result:
 
 def test_a_picture_spends_its_time_and_no_more() -> None:
     """Starved, it gives up triangles; what it takes is counted anew from what it draws."""
-    picture = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=25, reports=QUIET)
+    picture = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=10, reports=QUIET)
     timing = picture.stats.timing
     formats = Formats(**picture.stats.generics)
     clock = BoardClock(100_000_000, 1_000_000, *SIZE)
-    clocks = picture_clocks(sent_triangles(picture.triangles, formats), formats, clock)
-    assert clocks.whole == timing["clocks_whole"] <= timing["deadline"] == 2_500_000
+    sent = sent_triangles(picture.triangles, formats)
+    clocks = picture_clocks(sent, formats, clock, timing["pack_error"])
+    assert clocks.whole == timing["clocks_whole"] <= timing["deadline"] == 1_000_000
     assert clocks.whole > 0.95 * timing["deadline"] and clocks.line_bytes == timing["line_bytes"]
     assert picture.stats.faces <= timing["faces"] < 288
     assert "time       at most" in picture.summary
-    more = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=50, reports=QUIET)
+    assert timing["pack_error"] == 2 and "; words packed to 2 grey levels" in picture.summary
+    # With more time every triangle is drawn, and with much no word is shortened.
+    more = quadshade.render("torus:288", size=SIZE, engine="model", frame_time=25, reports=QUIET)
+    assert more.stats.timing["faces"] == 288 and more.stats.timing["pack_error"] < 2
     assert more.error_to("phong").rms < picture.error_to("phong").rms
+    rich = quadshade.render("sphere:24", size=SIZE, engine="model", frame_time=500, reports=QUIET)
+    assert rich.stats.timing["pack_error"] == PACK_ERROR
+    asked = {"pack_error": 0.25, "frame_time": 25, "size": SIZE, "engine": "model", "reports": QUIET}
+    assert quadshade.render("torus:288", **asked).stats.timing["pack_error"] == 0.25
 
 
 def test_frames_keep_their_level_and_spend_their_time() -> None:
@@ -101,6 +112,27 @@ def test_a_deadline_shortens_words_or_sends_nothing() -> None:
         assert board.statistics["bytes_sent"] == before
 
 
+@pytest.mark.parametrize(
+    ("generics", "said"),
+    [
+        ({}, None),
+        ({"fifo_words": 256}, "a FIFO of 256 words makes the line pause"),
+        ({"single_buffer": 1}, "single_buffer=1 makes packets wait for each other"),
+        ({"fifo_words": 256, "single_buffer": 1}, "pause and single_buffer=1 makes"),
+    ],
+)
+def test_what_the_model_of_time_does_not_count_is_said(generics: dict[str, int], said: str | None) -> None:
+    told: list[str] = []
+    settings = BoardSettings(screen_width=64, screen_height=48).with_generics(generics)
+    triangles = quadshade.render("sphere:24", size=SIZE, engine="model").triangles
+    with Board("sim", settings=settings, engine="model", notice=told.append) as board:
+        board.draw(triangles)
+        assert told == []
+        board.draw(triangles, deadline=10.0)
+    assert [text.startswith("a picture may be late: ") for text in told] == ([] if said is None else [True])
+    assert said is None or said in told[0]
+
+
 def test_a_bad_line_makes_late_frames_and_no_wrong_ones() -> None:
     triangles = quadshade.render("sphere:168", size=SIZE, engine="model").triangles
     with small_board(faults=(2e-3, 5), answer_seconds=0.05) as board:
@@ -125,6 +157,8 @@ def test_a_bad_line_makes_late_frames_and_no_wrong_ones() -> None:
         (("--frame-time", 20, "--supersample", 2), "--supersample with a frame time"),
         (("--frame-time", 20, "--shading", "gouraud"), "the shading is gouraud"),
         (("--baud", 9600), "--baud is for a board"),
+        (("--frame-time", 20, "--dask", "tcp://127.0.0.1:1"), "is for one board; leave out --dask, or it"),
+        (("--fps", 20, "--port", "sim:2"), "is for one board; leave out all but one --port, or it"),
     ],
 )
 def test_bad_frame_times_are_one_line(tmp_path: Path, monkeypatch, words: tuple, said: str) -> None:
@@ -133,6 +167,15 @@ def test_bad_frame_times_are_one_line(tmp_path: Path, monkeypatch, words: tuple,
     assert result.exit_code == 2 and said in result.output, result.output
     lines = [line for line in result.output.strip().splitlines() if not line.endswith("...")]
     assert len(lines) == 1 and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("frames", "said"), [(1, "1 frame at 30"), (2, "2 frames at 30")])
+def test_a_film_says_how_much_of_the_time_it_takes(tmp_path: Path, frames: int, said: str) -> None:
+    words = ("--frames", frames, "--turn", 0, "--size", "32x24", "--fps", 30, "--frame-time", "auto")
+    result = run("turn", "sphere:24", "-o", tmp_path / "t.gif", *words, "--no-errors")
+    assert result.exit_code == 0, result.output
+    # Frames alike take alike, which is no span.
+    assert said in result.output and re.search(r", \d+\.\d% of the frame time, 0 frames late", result.output)
 
 
 def test_frames_in_time_follow_each_other() -> None:

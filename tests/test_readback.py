@@ -202,8 +202,12 @@ def test_no_verify_is_a_word_too(commands: dict, tmp_path: Path) -> None:
     assert code == 2 and "--verify crc is for a board; give --port as well" in output
     code, output = run(*commands["render"], "-o", paths[0], *BOARD, "--verify", "all")
     assert code == 2 and "'all' is not one of 'picture', 'crc', 'none'" in output
-    code, output = run("view", "sphere:24", "--no-open", "--verify", "crc")
-    assert code == 2 and "--verify is for a board; give --port as well" in output
+    for words in (("--verify", "crc"), ("--no-verify",)):
+        code, output = run("view", "sphere:24", "--no-open", *words)
+        assert code == 2 and "--verify is for a board; give --port as well" in output
+    for words in (("--verify", "crc", "--no-verify"), ("--no-verify", "--verify", "picture")):
+        code, output = run(*commands["render"], "-o", paths[0], *BOARD, *words)
+        assert code == 2 and "and --no-verify are given; give one of them" in output
 
 
 def test_the_viewer_asks_for_the_crc_alone(board: Board) -> None:

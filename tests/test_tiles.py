@@ -239,9 +239,34 @@ def test_tiles_of_another_picture_are_not_taken(tmp_path: Path) -> None:
         assert broken != whole
         kept.write_bytes(broken)
         assert again.tiles() == []
+    kept.write_bytes(whole)
+    new = TileStore(tmp_path / "tiles", is_new=True)
+    # Only what begins removes what was there.
+    assert kept.is_file()
+    new.begin([b"one"], ("colour",))
+    assert new.tiles() == [] and not kept.exists()
+    new.add(tile, planes)
+    new.begin([b"one"], ("depth",))
+    assert kept.is_file()
     (tmp_path / "mine").mkdir()
     with pytest.raises(QuadshadeError, match="holds no tiles"):
         TileStore(tmp_path / "mine")
+
+
+def test_a_wrong_option_removes_no_tiles(tmp_path: Path) -> None:
+    store = TileStore(tmp_path / ".p.png.tiles")
+    store.begin([b"one"], ("colour",))
+    store.add(Rectangle(0, 0, 1, 1), {"colour": np.ones((1, 1, 3), np.uint8)})
+    sim = ("--port", "sim", "--engine", "model", "--size", "170x122")
+    code, _ = run("render", "icosphere:0", "-o", tmp_path / "p.png", *sim, "--shading", "phong")
+    assert code == 2 and len(list(store.folder.glob("*/*.npz"))) == 1
+
+
+def test_an_empty_picture_is_drawn_in_no_tiles(tmp_path: Path) -> None:
+    sim = ("--port", "sim:2", "--engine", "model", "--size", "32x24")
+    away = ("--camera", "eye=0,0,9,target=0,0,20")
+    code, output = run("render", "icosphere:0", "-o", tmp_path / "p.png", *sim, *away)
+    assert code == 0 and "0 triangles, drawn by the board at sim:2, as" in output
 
 
 def test_commands_draw_in_tiles(tmp_path: Path) -> None:

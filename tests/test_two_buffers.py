@@ -109,6 +109,9 @@ def test_the_simulated_boards_monitor(buffers: int, tmp_path: Path) -> None:
     for name, said in (("none/a.png", "make it first"), ("a.jpg", "ends in .png")):
         result = CliRunner().invoke(main, ["board", "--engine", "model", "--monitor", str(tmp_path / name)])
         assert result.exit_code == 2 and len(result.output.splitlines()) == 1 and said in result.output
+    twice = str(tmp_path / "a.png")
+    result = CliRunner().invoke(main, ["board", "--engine", "model", "--monitor", twice, "--pty", twice])
+    assert result.exit_code == 2 and "--pty and --monitor are both" in result.output
     assert not list(tmp_path.iterdir())
 
 

@@ -27,11 +27,10 @@ from quadshade.files.atomic import check_writable
 from quadshade.image import largest_and_rms
 from quadshade.rendering.draw import render_picture
 from quadshade.rendering.groups import EngineChoice, PortChoice
-from quadshade.rendering.in_time import Pace
 from quadshade.rendering.picture import Picture
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import choice_mesh
-from quadshade.rendering.timing import Levers
+from quadshade.rendering.timing import Levers, Pace
 from quadshade.scene import Mesh
 
 LOOKED_AT = 24
@@ -379,7 +378,7 @@ def draw_frame(
     turned = (pose.turn, pose.light_orbit)
     row = FrameRow(frame, *turned, len(picture.triangles), size, stats.clocks, largest, rms)
     if (timing := stats.timing) is not None:
-        names = ("faces", "shading", "step", "line_bytes")
+        names = ("faces", "shading", "step", "pack_error", "line_bytes")
         kept = {name: timing[name] for name in names} | {"board_clocks": timing["clocks_whole"]}
         row = replace(row, deadline_clocks=timing["deadline"], **kept)
     return Drawn(row, picture.array, picture.notes)

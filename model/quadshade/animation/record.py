@@ -31,8 +31,9 @@ class FrameRow:
     largest_error : int or None
       Grey levels against Phong shading; None where it was not measured.
     rms_error : float or None
-    faces, shading, step : int, str and int, or None
-      Levers of a frame time: triangles of the level of detail, kind of channels, place on its curve.
+    faces, shading, step, pack_error : int, str, int and float, or None
+      Levers of a frame time: triangles of the level of detail, kind of channels, place on its curve, grey
+      levels that words are packed to.
     line_bytes, board_clocks, deadline_clocks : int or None
       What a frame takes on the line, and on the board until it is drawn, at most; and what it may take.
     late : int or None
@@ -50,6 +51,7 @@ class FrameRow:
     faces: int | None = None
     shading: str | None = None
     step: int | None = None
+    pack_error: float | None = None
     line_bytes: int | None = None
     board_clocks: int | None = None
     deadline_clocks: int | None = None
@@ -58,9 +60,9 @@ class FrameRow:
     @property
     def levers(self) -> Levers | None:
         """What the frame after it begins with, in a frame time."""
-        if self.faces is None or self.shading is None or self.step is None:
+        if self.faces is None or self.shading is None or self.step is None or self.pack_error is None:
             return None
-        return Levers(self.faces, self.shading, self.step)
+        return Levers(self.faces, self.shading, self.step, self.pack_error)
 
 
 def write_table(path: Path, rows: Sequence[FrameRow]) -> None:

@@ -295,7 +295,8 @@ class Board(BoardReader):
         primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
         watch = Watch(self.session, self.clock, self.simulated is None, deadline)
         packed = watch.packed(primitives, matched.shade, self.formats, pack_error)
-        for text in (*notices, *watch.notices):
+        uncounted = () if deadline is None else self._port.uncounted(self.identity)
+        for text in (*notices, *uncounted, *watch.notices):
             self._notice(text)
         if matched.shade is not None:
             self.state(matched.shade, packed.words)

@@ -28,6 +28,8 @@ class TileStore:
     ----------
     folder : Path
       Made when the first tile is kept; it may have tiles of several pictures, each of its own content.
+    is_new : bool
+      Tiles from before are removed when the first picture begins: what is refused until then removes nothing.
 
     Raises
     ------
@@ -35,13 +37,21 @@ class TileStore:
       The folder is there, and holds something else.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, is_new: bool = False) -> None:
         self.folder = self._tiles = folder
+        self._is_new = is_new
         if folder.exists() and not (folder / ABOUT).is_file():
             raise QuadshadeError(f"{folder} is there and holds no tiles", "move it away")
 
+    def __fspath__(self) -> str:
+        """Its folder, for who takes a path."""
+        return str(self.folder)
+
     def begin(self, content: Iterable[bytes], planes: Sequence[str]) -> None:
         """The tiles that follow are those of a picture, said by all that it follows from."""
+        if self._is_new:
+            self.remove()
+            self._is_new = False
         digest = hashlib.sha256(repr((planes, code_digest())).encode())
         for part in content:
             digest.update(part)

@@ -87,6 +87,8 @@ def board(
     if monitor is not None:
         check_png(monitor)
         check_writable(monitor)
+        if pty is not None and pty.absolute() == monitor.absolute():
+            raise QuadshadeError(f"--pty and --monitor are both {pty}", "give two names")
     address = None if tcp is None else tcp_address(tcp)
     size = None if screen is None else parse_size(screen)
     settings = board_settings(preset, size, parse_generics(generics), shade)

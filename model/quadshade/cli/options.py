@@ -91,9 +91,10 @@ def add_options(*groups: Sequence[Decorator]) -> Callable[[Function], Function]:
     return decorate
 
 
-def is_given(name: str) -> bool:
+def is_given(name: str, context: click.Context | None = None) -> bool:
     """Whether an option stands on the command line."""
-    return click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
+    context = context or click.get_current_context()
+    return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def complete_file(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:

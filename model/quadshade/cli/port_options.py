@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +13,9 @@ from quadshade.choices import parse_faults, parse_ports, simulated_board
 from quadshade.cli.options import Decorator, Parsed, is_given, option
 from quadshade.cli.terminal import say_trace
 from quadshade.errors import QuadshadeError
+
+if TYPE_CHECKING:
+    from quadshade.board.tile_store import TileStore
 
 TITLE = "Engine or board"
 BOARD_ONLY = ("baud", "faults", "timeout", "trace", "pack_error")
@@ -98,9 +101,9 @@ resume_option = option(
 )
 
 
-def tiles_folder(output: Path, resume: bool, drawn_by: Any = "a board") -> Path | None:
+def tile_store(output: Path, resume: bool, drawn_by: Any = "a board") -> TileStore | None:
     """
-    Where tiles of a picture are kept until it is whole, beside it; without ``--resume`` old ones are removed.
+    Where tiles of a picture are kept until it is whole, beside it; without ``--resume`` they are drawn anew.
 
     Nothing is kept where ``drawn_by``, ports or workers, is None.
 
@@ -115,11 +118,7 @@ def tiles_folder(output: Path, resume: bool, drawn_by: Any = "a board") -> Path 
         return None
     from quadshade.board.tile_store import TileStore
 
-    folder = output.with_name(f".{output.name}.tiles")
-    store = TileStore(folder)
-    if not resume:
-        store.remove()
-    return folder
+    return TileStore(output.with_name(f".{output.name}.tiles"), is_new=not resume)
 
 
 def with_board(options: dict[str, Any]) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from quadshade.cli.options import (
     stats_option,
     waves_option,
 )
-from quadshade.cli.port_options import TITLE, port_options, resume_option, tiles_folder, with_board
+from quadshade.cli.port_options import TITLE, port_options, resume_option, tile_store, with_board
 from quadshade.cli.scene_options import GENERIC_OPTIONS, VERIFY_BOARD, setup_options, verify_options
 from quadshade.cli.terminal import reporting, say_statistics
 from quadshade.contract.formats import parse_generics
@@ -63,7 +63,7 @@ def raster(
 
     check_writable(output, stats, options["waves"], inputs=[triangles_path])
     keywords = with_board(options)
-    keywords["resume"] = tiles_folder(output, resume, keywords["port"])
+    keywords["resume"] = tile_store(output, resume, keywords["port"])
     chosen = collect(SetupChoice, keywords), collect(EngineChoice, keywords), collect(PortChoice, keywords)
     if keywords["port"] is not None:
         _on_board(triangles_path, output, stats, parse_generics(generics), *chosen)
@@ -112,7 +112,7 @@ def _on_board(
     from quadshade.files.atomic import write_atomically, write_json
     from quadshade.files.pixel_file import write_arrays
     from quadshade.image import write_png
-    from quadshade.rendering.board import draw_triangles_on_board
+    from quadshade.rendering.file_on_board import draw_triangles_on_board
 
     if output.suffix.lower() not in (".png", ".npz"):
         raise QuadshadeError(f"the output is {str(output)!r}", "give a name that ends in .png or .npz")
@@ -125,5 +125,5 @@ def _on_board(
         write_arrays(output, shown.planes)
     if stats is not None:
         height, width = shown.picture.shape[:2]
-        write_json(stats, {"port": port.name, **shown.statistics, "width": width, "height": height})
-    click.echo(f"{output}: {shown.triangles} triangles, drawn by the board at {port.name}")
+        write_json(stats, {"port": shown.port, **shown.statistics, "width": width, "height": height})
+    click.echo(f"{output}: {shown.triangles} triangles, drawn by the board at {shown.port}")

@@ -23,7 +23,7 @@ from quadshade.cli.options import (
     supersample_option,
     waves_option,
 )
-from quadshade.cli.port_options import port_options, resume_option, tiles_folder, with_board
+from quadshade.cli.port_options import port_options, resume_option, tile_store, with_board
 from quadshade.cli.scene_options import (
     CLOCK_OPTIONS,
     ERROR_OPTIONS,
@@ -93,7 +93,7 @@ def render(scene: str, output: Path, stats: Path | None, resume: bool, **options
     keywords = with_board(options)
     check_writable(output, stats, options["waves"], options["gbuffer"], inputs=[Path(scene)])
     drawn_by = keywords["port"] if keywords["dask"] is None else keywords["dask"]
-    keywords["resume"] = tiles_folder(output, resume, drawn_by)
+    keywords["resume"] = tile_store(output, resume, drawn_by)
     with reporting() as reports:
         picture = render_scene(scene, **keywords, reports=reports)
     if picture.stats.line is not None:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from quadshade.cli.options import PATH, TitledCommand, add_options, engine_option, output_option
-from quadshade.cli.port_options import TITLE, port_options, resume_option, tiles_folder
+from quadshade.cli.port_options import TITLE, port_options, resume_option, tile_store
 from quadshade.cli.scene_options import VERIFY_BOARD, verify_options
 from quadshade.cli.terminal import reporting, say_statistics, say_trace
 
@@ -42,7 +42,7 @@ def replay(frame_path: Path, output: Path | None, trace: bool, resume: bool, **o
         check_png(output)
     check_writable(output, inputs=[frame_path])
     if output is not None:
-        options["resume"] = tiles_folder(output, resume)
+        options["resume"] = tile_store(output, resume)
     options["trace"] = say_trace if trace else None
     port = collect(PortChoice, options)
     with reporting() as reports:
@@ -52,4 +52,4 @@ def replay(frame_path: Path, output: Path | None, trace: bool, resume: bool, **o
     if output is not None and picture is not None:
         write_atomically(output, lambda temporary: write_png(temporary, picture))
     told = f", read into {output}" if output is not None else ""
-    click.echo(f"{frame_path}: {shown.triangles} triangles drawn at {port.name}{told}")
+    click.echo(f"{frame_path}: {shown.triangles} triangles drawn at {shown.port}{told}")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import click
+from click.core import ParameterSource
 
 from quadshade.choices import (
     ALL_FITS,
@@ -25,7 +26,8 @@ from quadshade.choices import (
     parse_lod,
     parse_pack_error,
 )
-from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, option
+from quadshade.cli.options import Decorator, Parsed, complete_file, generic_option, is_given, option
+from quadshade.errors import QuadshadeError
 
 VERIFY_BOARD = (
     "What the board shows must be what the golden model draws. picture: it is fetched and compared; crc: "
@@ -210,6 +212,10 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
     ]
 
 
+NO_VERIFY = "quadshade.no_verify"
+"""Where a command keeps whether ``--no-verify`` was given."""
+
+
 def verify_option() -> list[Decorator]:
     """``--verify`` of commands that draw on no board."""
     return [option("Accuracy", "--verify/--no-verify", default=True, show_default=True, help=VERIFY_ERROR)]
@@ -217,10 +223,34 @@ def verify_option() -> list[Decorator]:
 
 def verify_options(title: str, help_text: str, default: str = VERIFIES[0]) -> list[Decorator]:
     """``--verify`` of commands that may draw on a board, and ``--no-verify``."""
-    words = option(
-        title, "--verify", type=click.Choice(VERIFIES), default=default, show_default=True, help=help_text
-    )
-    return [words, option(title, "--no-verify", "verify", flag_value=VERIFIES[-1], help="--verify none.")]
+    none = VERIFIES[-1]
+
+    def without(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+        context.meta[NO_VERIFY] = wanted
+
+    def chosen(context: click.Context, parameter: click.Parameter, word: str) -> str:
+        if not context.meta[NO_VERIFY]:
+            return word
+        if is_given("verify", context) and word != none:
+            raise QuadshadeError(f"--verify {word} and --no-verify are given", "give one of them")
+        # For who asks whether it was said.
+        context.set_parameter_source("verify", ParameterSource.COMMANDLINE)
+        return none
+
+    # The flag is read first, wherever it stands.
+    flag = {"is_flag": True, "is_eager": True, "expose_value": False, "callback": without}
+    return [
+        option(
+            title,
+            "--verify",
+            type=click.Choice(VERIFIES),
+            default=default,
+            show_default=True,
+            callback=chosen,
+            help=help_text,
+        ),
+        option(title, "--no-verify", help=f"--verify {none}.", **flag),
+    ]
 
 
 def setup_options(methods: tuple[str, ...] = SETUPS) -> list[Decorator]:

@@ -147,7 +147,7 @@ def turn(scene: str, output: Path, **options: Any) -> None:
         rows = animation.save(output)
     errors = [row.largest_error for row in rows if row.largest_error is not None]
     sizes = [row.bytes for row in rows if row.bytes is not None]
-    texts = [f"{len(rows)} frames at {animation.motion.fps:g} a second"]
+    texts = [f"{len(rows)} frame{'s' * (len(rows) != 1)} at {animation.motion.fps:g} a second"]
     if sizes:
         texts.append(f"{sum(sizes) / len(sizes):.0f} bytes a frame")
     if errors:
@@ -157,5 +157,6 @@ def turn(scene: str, output: Path, **options: Any) -> None:
     ]
     if times:
         late = sum(row.late or 0 for row in rows)
-        texts.append(f"{min(times):.0%} to {max(times):.1%} of the frame time, {late} frames late")
+        shares = dict.fromkeys(f"{share(times):.1%}" for share in (min, max))
+        texts.append(f"{' to '.join(shares)} of the frame time, {late} frame{'s' * (late != 1)} late")
     click.echo(f"{output}: {', '.join(texts)}")

@@ -5,30 +5,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 
 from quadshade.board import Board
-from quadshade.board.settings import board_settings
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.choices import PHONG, parse_pack_error, parse_verify
 from quadshade.contract.formats import Formats
-from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
-from quadshade.files.triangle_file import open_triangles, screen_size
 from quadshade.golden.screen.edge_map import edge_map
 from quadshade.rendering.draw import adapt_note, draw_tones
-from quadshade.rendering.groups import EngineChoice, PortChoice, SetupChoice
-from quadshade.rendering.in_time import Pace, in_time
+from quadshade.rendering.groups import EngineChoice, PortChoice
+from quadshade.rendering.in_time import in_time
 from quadshade.rendering.levels import best_level, level_note
-from quadshade.rendering.open_board import opened, screen_of, workers_screen
+from quadshade.rendering.open_board import drawn_at, opened, screen_of, tile_store, workers_screen
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, board_count, shade_scene, show_scene
-from quadshade.rendering.simulated import simulated_screen, simulated_settings, worker_place
+from quadshade.rendering.simulated import simulated_settings, worker_place
 from quadshade.rendering.supersample import jitter, mean, moved
+from quadshade.rendering.timing import Pace
 from quadshade.style import EdgeMaps, draw_edges, draw_gbuffer, find_edges, sample_normals
 from quadshade.style.edges import VARIANTS
 from quadshade.style.gbuffer import background_normal, check_gbuffer, with_view_depth
@@ -41,8 +38,15 @@ VERIFIED = {
 """What a summary says of each of ``choices.VERIFIES``."""
 
 
-def _check(port: PortChoice, generics: Mapping[str, int], engine: EngineChoice) -> None:
-    """Refuse what only engines have."""
+def check_board(
+    port: PortChoice, generics: Mapping[str, int], engine: EngineChoice, has_frame_time: bool = False
+) -> None:
+    """Refuse what only engines have, or only one board."""
+    if has_frame_time and (port.dask is not None or len(port.ports) > 1):
+        raise QuadshadeError(
+            "a frame time is for one board",
+            f"leave out {'--dask' if port.dask else 'all but one --port'}, or it",
+        )
     if engine.waves is not None:
         raise QuadshadeError("a board has no waves", "leave --port out, and use --engine ghdl")
     if port.is_open and engine.engine is not None:
@@ -63,7 +67,7 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | Ti
       What boards do not have, or no board.
     """
     choice, port = settings.scene, settings.port
-    _check(port, choice.set_generics, settings.engine)
+    check_board(port, choice.set_generics, settings.engine, settings.adapt.frame_time is not None)
     if settings.style.gbuffer is not None:
         raise QuadshadeError("a board does not say which triangle it shows", "leave out --gbuffer, or --port")
     if choice.interpolation == PHONG:
@@ -79,7 +83,7 @@ def board_for(settings: RenderSettings, reports: Reports) -> Iterator[Board | Ti
     simulated = simulated_settings(settings) if port.is_simulated else None
     with opened(port, simulated, settings.engine, reports) as pool:
         size = None if choice.size is None else choice.pixels
-        screen = screen_of(pool, size, reports, port.tiles_folder)
+        screen = screen_of(pool, size, reports, tile_store(port))
         yield screen
         if isinstance(screen, TiledScreen):
             screen.forget_tiles()
@@ -122,12 +126,10 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
                     "a frame time for a picture in tiles",
                     "leave it out, or give one board, and no size beyond its screen",
                 )
-            if board.identity["fifo_words"] < 512:
-                # The host waits for credits between frames.
-                reports.notice("the line may pause, and a frame be late: the board's FIFO is small")
             paced = pace or Pace()
             scene, timing = in_time(settings, scene, formats, board.clock, reports, paced, board.formats)
             deadline = {"deadline": timing.milliseconds / 1000}
+            pack_error = timing.levers.pack_error
         reports.step(f"shading {len(scene.projected)} triangles")
         shaded = shade_scene(settings, scene, formats, reports, count)
         triangles, (width, height) = shaded.triangles, settings.scene.pixels
@@ -153,14 +155,14 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
             faces=scene.faces,
             whole_faces=len(scene.whole),
             adaptive=None if shaded.adapted is None else shaded.adapted.mix(),
-            port=port.name,
+            port=drawn_at(port, board),
             line=board.statistics,
             timing=None if timing is None else timing.as_dict(),
         )
     note = adapt_note(shaded) + ("" if timing is None else timing.note())
     summary = (
-        f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {port.name}"
-        + (f", in {board.tiles} tile{'s' * (board.tiles != 1)}" if isinstance(board, TiledScreen) else "")
+        f"{width}x{height}, {len(triangles)} triangles{level_note(scene)}, drawn by the board at {stats.port}"
+        + _tiles_note(board)
         + VERIFIED[parse_verify(port.verify)]
         + (f", the mean of {choice.supersample**2} pictures" if choice.supersample > 1 else "")
         + (f", {board.colour_bits} bits a colour, dithered" if board.colour_bits < 8 else "")
@@ -168,6 +170,13 @@ def render_on_board(settings: RenderSettings, reports: Reports, pace: Pace | Non
         + note
     )
     return Picture(picture, stats, triangles, None, None, (), summary, settings)
+
+
+def _tiles_note(board: Board | TiledScreen) -> str:
+    """In how many tiles a picture was drawn; an empty one is drawn in none."""
+    if not isinstance(board, TiledScreen) or not board.tiles:
+        return ""
+    return f", in {board.tiles} tile{'s' * (board.tiles != 1)}"
 
 
 def pack_error_for(port: PortChoice, board: Board | TiledScreen) -> float:
@@ -259,84 +268,3 @@ def _edges(
     normal, depth = shown["colour"], board.as_depth(shown["depth"])
     maps = edge_map(normal, depth.astype(np.int64), formats.depth_bits, VARIANTS[variant])
     return EdgeMaps(*maps, variant)
-
-
-@dataclass(frozen=True, eq=False)
-class BoardPlanes:
-    """
-    What a board shows after it drew the triangles of a file.
-
-    Attributes
-    ----------
-    planes : dict of str to array
-      ``colour``, (height, width, channels) uint8; where the board has it ``depth``, (height, width) uint32.
-    picture : (height, width, 3) uint8
-    triangles : int
-    statistics : dict
-      Of the board's line.
-    """
-
-    planes: dict[str, np.ndarray]
-    picture: np.ndarray
-    triangles: int
-    statistics: dict[str, float]
-
-
-def draw_triangles_on_board(
-    path: Path,
-    generics: dict[str, int],
-    setup: SetupChoice,
-    engine: EngineChoice,
-    port: PortChoice,
-    reports: Reports,
-) -> BoardPlanes:
-    """
-    Draw the triangles of a file on a board and fetch what it shows.
-
-    Parameters
-    ----------
-    path : Path
-      A triangles file.
-    generics : dict of str to int
-      Of a simulated board.
-    setup : SetupChoice
-    engine : EngineChoice
-      What simulates it.
-    port : PortChoice
-    reports : Reports
-
-    Returns
-    -------
-    BoardPlanes
-
-    Raises
-    ------
-    QuadshadeError
-      As for :func:`render_on_board`, or a malformed file.
-    """
-    _check(port, generics, engine)
-    settings, (width, height) = None, screen_size(path)
-    if port.is_simulated:
-        core = {name: value for name, value in generics.items() if name in Formats().generics()}
-        formats = open_triangles(path, core)[1]
-        screen = simulated_screen((width, height), formats.coord_bits)
-        given = board_settings(None, screen, generics)
-        settings = replace(given, formats=formats)
-    with opened(port, settings, engine, reports) as pool:
-        board = screen_of(pool, (width, height), reports, port.tiles_folder)
-        wanted = {
-            name: value
-            for name, value in board.host_formats.generics().items()
-            if name not in ("num_channels", "with_depth", "max_order")
-        }
-        loaded: ScreenTriangles = open_triangles(path, wanted)[0]
-        pack_error = pack_error_for(port, board)
-        board.draw(loaded, pack_error, **setup.arguments())
-        names = ("colour", "depth") if board.formats.with_depth else ("colour",)
-        planes = board.read_planes(names, width, height, port.verify)
-        if "depth" in planes:
-            planes["depth"] = board.as_depth(planes["depth"])
-        if isinstance(board, TiledScreen):
-            board.forget_tiles()
-        board.show()
-        return BoardPlanes(planes, board.as_rgb(planes["colour"]), len(loaded), board.statistics)

@@ -21,13 +21,14 @@ from quadshade.files.atomic import write_atomically
 from quadshade.files.triangle_file import open_triangles
 from quadshade.image import paint, visible
 from quadshade.rendering.groups import COLOUR_CHANNELS, EngineChoice, SetupChoice
-from quadshade.rendering.in_time import Pace, assumed_clock, in_time
+from quadshade.rendering.in_time import assumed_clock, in_time
 from quadshade.rendering.levels import best_level, level_note
 from quadshade.rendering.phong_over import is_whole, phong_over
 from quadshade.rendering.picture import Picture, Stats
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import Shaded, ShownScene, default_count, shade_scene, show_scene
 from quadshade.rendering.supersample import jitter, mean, moved
+from quadshade.rendering.timing import Pace
 from quadshade.shading.reference import phong
 
 

@@ -51,6 +51,7 @@ from quadshade.scene.key_values import parse_background, parse_size
 if TYPE_CHECKING:
     import trimesh
 
+    from quadshade.board.tile_store import TileStore
     from quadshade.scene import Camera, Mesh
     from quadshade.scene.turned import Turn
     from quadshade.shading import Light, Material
@@ -331,7 +332,7 @@ class PortChoice:
     trace: Callable[[str], None] | None = None
     pack_error: float | None = None
     verify: bool | str = True
-    resume: str | Path | None = None
+    resume: str | Path | TileStore | None = None
     dask: str | None = None
 
     def __post_init__(self) -> None:
@@ -365,11 +366,6 @@ class PortChoice:
     def is_given(self) -> bool:
         """Whether boards draw, or workers, not an engine here."""
         return self.port is not None or self.dask is not None
-
-    @property
-    def tiles_folder(self) -> Path | None:
-        """Where tiles are kept until a picture is whole."""
-        return None if self.resume is None else Path(self.resume)
 
     @property
     def is_simulated(self) -> bool:

@@ -11,8 +11,8 @@ of the one before and moves only where they no longer fit, so that nothing pops.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from quadshade.adapt import Adapted, ErrorCurve
 from quadshade.adapt.adapted import SHADERS
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import BoardClock, PictureClocks, picture_clocks
+from quadshade.board.frame_time import SHORTER, BoardClock, PictureClocks, picture_clocks
 from quadshade.choices import ADAPTIVE_SHADINGS, parse_pack_error
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
@@ -30,7 +30,8 @@ from quadshade.link.transport import DEFAULT_BAUD
 from quadshade.rendering.levels import phong_picture, plan_picture
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, at_level, show_scene
-from quadshade.rendering.timing import Levers, Timing, deadline_clocks
+from quadshade.rendering.shown_triangles import shown_triangles
+from quadshade.rendering.timing import Levers, Pace, Timing, deadline_clocks
 from quadshade.scene.decimate import LEAST
 from quadshade.shading import UnsuitedError, specular_formats
 
@@ -47,32 +48,17 @@ ENOUGH = {"max": 0.55, "rms": 0.3}
 """Grey levels: where nearly all of the error is the output's rounding, nothing more is spent."""
 WIDTH = 32
 """First step along a curve on which nothing is known."""
+COARSER = 0.9
+"""Of a finer level's error, which a coarser one must be under: other triangles have other outlines, and
+those flicker."""
+COARSEST = 2.0
+"""Grey levels that words of a frame are packed to where it is late otherwise."""
 COMPARED = 4
 """Of the frames that are looked at, those whose pictures are compared; all must be in time."""
 TOO_FAR = 2.0
 """Times the error of when the levers were chosen: from then on they are chosen anew,"""
 BETTER = 0.8
 """and changed where that leaves less than this share of it."""
-
-
-@dataclass
-class Pace:
-    """
-    What the frames so far were drawn with.
-
-    Attributes
-    ----------
-    ahead : callable, optional
-      Gives settings of other frames of the same scene, for which level and channels are to be chosen, too.
-    levers : Levers, optional
-      Of the frame before.
-    error : float
-      Root mean square, of when level and channels were chosen; by the curve's own measure.
-    """
-
-    ahead: Callable[[], Sequence[RenderSettings]] | None = None
-    levers: Levers | None = None
-    error: float = field(default=math.inf)
 
 
 class FrameTime:
@@ -103,27 +89,41 @@ class FrameTime:
         self.milliseconds = float(given)
         self.formats, self.clock, self.board = formats, clock, board
         self._settings, self._reports = settings, reports
-        self._error = parse_pack_error(settings.port.added_error)
+        least = parse_pack_error(settings.port.added_error)
+        shorter = SHORTER if settings.port.pack_error is None else ()
+        self._errors = (least, *(error for error in shorter if error > least))
+        self._coarsest = COARSEST if settings.port.pack_error is None else least
+        self._counted: tuple[ScreenTriangles, float, PictureClocks] | None = None
         self._a_byte = clock.clocks_of_bytes(1)
         self.budget = math.floor(deadline_clocks(self.milliseconds, clock) / self._a_byte)
 
-    def clocks(self, triangles: ScreenTriangles, core: Formats) -> PictureClocks:
-        """What a picture takes."""
+    def clocks(self, triangles: ScreenTriangles, core: Formats, error: float) -> PictureClocks:
+        """What a picture takes, of words packed to an error; of the same one again it is known."""
+        if self._counted is not None and self._counted[0] is triangles and self._counted[1] == error:
+            return self._counted[2]
+        given = triangles
         if self.board is None:
             formats = replace(core, stream_width=32)
         else:
             triangles, formats = sent_triangles(triangles, self.board), self.board
         setup = self._settings.setup.arguments()
-        return picture_clocks(triangles, formats, self.clock, self._error, **setup)
+        clocks = picture_clocks(triangles, formats, self.clock, error, **setup)
+        self._counted = given, error, clocks
+        return clocks
 
-    def _cost(self, triangles: ScreenTriangles, core: Formats) -> int:
-        """Bytes that the line could have carried until a picture is complete."""
-        return math.ceil(self.clocks(triangles, core).whole / self._a_byte)
+    def curve(self, settings: RenderSettings, shown: ShownScene, shading: str, error: float) -> Curve | None:
+        """
+        Pictures of one kind of channels, or None where the scene or the board has no such channels.
 
-    def curve(self, settings: RenderSettings, shown: ShownScene, shading: str) -> Curve | None:
-        """Pictures of one kind of channels, or None where the scene or the board has no such channels."""
+        They cost the bytes that the line could have carried until a picture is complete.
+        """
+
         projected, lights, surface = shown.projected, shown.lights, shown.surface
         specular = None
+
+        def cost(triangles: ScreenTriangles, core: Formats) -> int:
+            return math.ceil(self.clocks(triangles, core, error).whole / self._a_byte)
+
         if shading != ADAPTIVE_SHADINGS[0]:
             try:
                 specular = specular_formats(settings.scene.set_generics, projected, lights, surface)
@@ -133,7 +133,7 @@ class FrameTime:
             curves = ErrorCurve(
                 projected, lights, surface, self.formats,
                 measure=settings.adapt.measure, verify=settings.adapt.is_verified, shading=shading,
-                specular=specular, count_line=self._cost,
+                specular=specular, count_line=cost,
             )  # fmt: skip
         except UnsuitedError:
             return None
@@ -177,17 +177,20 @@ class FrameTime:
 
     def _least(self, settings: RenderSettings, shown: ShownScene) -> int:
         """What the cheapest picture of colours takes, in bytes; 0 of a scene that is not seen."""
-        curve = self.curve(settings, shown, ADAPTIVE_SHADINGS[0]) if len(shown.projected) else None
+        if not len(shown.projected):
+            return 0
+        curve = self.curve(settings, shown, ADAPTIVE_SHADINGS[0], self._coarsest)
         return 0 if curve is None else curve.picture(0).cost("line")
 
     def _level(self, settings: RenderSettings, shown: ShownScene, count: int) -> ShownScene | None:
-        """The scene at a level, None where there is no such one."""
-        if count >= shown.faces:
-            return shown
-        try:
-            return at_level(shown, count, settings.scene, self.formats)
-        except QuadshadeError:
-            return None
+        """What is seen of the scene at a level, None where there is no such one."""
+        if count < shown.faces:
+            try:
+                shown = at_level(shown, count, settings.scene, self.formats)
+            except QuadshadeError:
+                return None
+        seen = shown_triangles(shown.projected, self.formats, settings.style.needs_gbuffer)
+        return replace(shown, projected=seen)
 
     def choose(self, frames: Sequence[tuple[RenderSettings, ShownScene]]) -> Levers:
         """
@@ -199,31 +202,55 @@ class FrameTime:
           No picture is in time.
         """
         counts = self._counts(frames[0][1].faces)
+        best, least = None, math.inf
+        compared = frames[:: max(len(frames) // COMPARED, 1)]
+        references = [phong_picture(each, one, self.formats) for each, one in compared]
         first = self._first_in_time(frames, counts)
-        search = next(kind for kind in reversed(self.shadings()) if self.curve(*frames[0], kind) is not None)
-        frames = frames[:: max(len(frames) // COMPARED, 1)]
-        references = [phong_picture(each, one, self.formats) for each, one in frames]
+        for error in self._errors:
+            if error**2 / 3 > least:
+                break
+            found, square = self._best(compared, references, counts[first:], error)
+            if found is not None and square < least:
+                best, least = found, square
+        if best is None:
+            raise self._refusal(counts, frames)
+        return best
+
+    def _best(
+        self,
+        frames: Sequence[tuple[RenderSettings, ShownScene]],
+        references: Sequence[np.ndarray],
+        counts: Sequence[int],
+        error: float,
+    ) -> tuple[Levers | None, float]:
+        """Level and channels with the least mean square error, of words packed to an error; None: no one."""
+        search = next(
+            kind for kind in reversed(self.shadings()) if self.curve(*frames[0], kind, error) is not None
+        )
         best, least, worse = None, math.inf, 0
-        for count in counts[first:]:
+        for count in counts:
             self._reports.step(f"planning {count} triangles")
             levels = [self._level(each, one, count) for each, one in frames]
             if any(level is None for level in levels):
                 break
-            error = self._mean_error(frames, levels, references, search)
-            if error < least:
-                best, least, worse = (count, levels), error, 0
+            square = self._mean_square(frames, levels, references, Levers(count, search, -1, error))
+            if square < (COARSER**2 * least if best else least):
+                best, least, worse = (count, levels), square, 0
             else:
                 worse += 1
             if worse == WORSE:
                 break
         if best is None:
-            raise self._refusal(counts, frames)
+            return None, math.inf
         count, levels = best
         kinds = {
-            shading: least if shading == search else self._mean_error(frames, levels, references, shading)
+            shading: least
+            if shading == search
+            else self._mean_square(frames, levels, references, Levers(count, shading, -1, error))
             for shading in self.shadings()
         }
-        return Levers(count, min(kinds, key=lambda shading: kinds[shading]), -1)
+        shading = min(kinds, key=lambda shading: kinds[shading])
+        return Levers(count, shading, -1, error), kinds[shading]
 
     def _first_in_time(self, frames: Sequence[tuple[RenderSettings, ShownScene]], counts: list[int]) -> int:
         """By bisection: the finest level of which the cheapest picture is surely in time in all frames."""
@@ -258,25 +285,25 @@ class FrameTime:
             f"the coarsest picture takes {math.ceil(100 * milliseconds) / 100:g} ms: give more",
         )
 
-    def _mean_error(
+    def _mean_square(
         self,
         frames: Sequence[tuple[RenderSettings, ShownScene]],
         levels: Sequence[ShownScene | None],
         references: Sequence[np.ndarray],
-        shading: str,
+        levers: Levers,
     ) -> float:
         """Mean square from Phong shading of all triangles; infinite where a frame is not in time."""
         total = 0.0
         for (settings, _), level, reference in zip(frames, levels, references, strict=True):
             if level is None or not len(level.projected):
                 continue
-            curve = self.curve(settings, level, shading)
-            found = None if curve is None else self.near(curve, None)
+            found = self._planned(settings, level, levers)
             if found is None:
                 return math.inf
-            drawn = plan_picture(found[0].plan.adapted(settings.adapt.is_verified), level)
-            total += float(np.square(drawn - reference).mean())
-        return total
+            drawn = plan_picture(found.adapted, level)
+            # Shorter words are not drawn: as if what they add were anything within the bound.
+            total += float(np.square(drawn - reference).mean()) + found.levers.pack_error**2 / 3
+        return total / len(frames)
 
     def picture(self, settings: RenderSettings, shown: ShownScene, pace: Pace) -> tuple[ShownScene, Timing]:
         """
@@ -296,7 +323,7 @@ class FrameTime:
                 found = chosen
             pace.error = found.error
         pace.levers = found.levers
-        clocks = self.clocks(found.adapted.triangles, found.adapted.formats)
+        clocks = self.clocks(found.adapted.triangles, found.adapted.formats, found.levers.pack_error)
         adapted = replace(found.adapted, line_bytes=clocks.line_bytes)
         timing = Timing(self.milliseconds, self.clock, clocks, found.levers)
         return replace(found.scene, adapted=adapted), timing
@@ -318,16 +345,20 @@ class FrameTime:
     def _keep(self, settings: RenderSettings, shown: ShownScene, levers: Levers) -> Found | None:
         """The frame with level and channels as they are; None where that is not in time."""
         level = self._level(settings, shown, levers.faces)
-        curve = None if level is None else self.curve(settings, level, levers.shading)
-        if level is None or curve is None:
-            return None
-        near = self.near(curve, None if levers.step < 0 else min(levers.step, len(curve) - 1))
-        if near is None:
-            return None
-        picture, step = near
-        return Found(
-            level, picture.plan.adapted(settings.adapt.is_verified), levers._replace(step=step), picture.error
-        )
+        return None if level is None else self._planned(settings, level, levers)
+
+    def _planned(self, settings: RenderSettings, level: ShownScene, levers: Levers) -> Found | None:
+        """A level with such channels; words are as short as it takes, None where that is not in time."""
+        start = None if levers.step < 0 else levers.step
+        for error in sorted({min(levers.pack_error, self._errors[-1]), self._coarsest}):
+            curve = self.curve(settings, level, levers.shading, error)
+            near = None if curve is None else self.near(curve, start)
+            if near is not None:
+                picture, step = near
+                adapted = picture.plan.adapted(settings.adapt.is_verified)
+                used = levers._replace(step=step, pack_error=error)
+                return Found(level, adapted, used, picture.error)
+        return None
 
 
 def assumed_clock(settings: RenderSettings) -> BoardClock:

@@ -119,14 +119,28 @@ def workers_screen(
     with connect(str(port.dask)) as client:
         pool = WorkerPool(client, place, reports.notice)
         width, height = size or (pool.boards[0].width, pool.boards[0].height)
-        store = None if port.tiles_folder is None else TileStore(port.tiles_folder)
-        screen = TiledScreen(pool, width, height, reports.notice, reports.progress, store)
+        screen = TiledScreen(pool, width, height, reports.notice, reports.progress, tile_store(port))
         yield screen
         screen.forget_tiles()
 
 
+def tile_store(port: PortChoice) -> TileStore | None:
+    """Where tiles are kept until a picture is whole."""
+    given = port.resume
+    return given if given is None or isinstance(given, TileStore) else TileStore(Path(given))
+
+
+def drawn_at(port: PortChoice, board: Board | TiledScreen) -> str:
+    """The ports that a picture comes from: as they were given, without those of boards that are left out."""
+    if port.dask is not None:
+        return port.name
+    if not isinstance(board, TiledScreen):
+        return port.name if len(port.ports) < 2 else str(board.session.name)
+    return port.name if len(port.ports) == len(board.pool.everyone) else board.name
+
+
 def screen_of(
-    pool: BoardPool, size: tuple[int, int] | None, reports: Reports, folder: Path | None = None
+    pool: BoardPool, size: tuple[int, int] | None, reports: Reports, store: TileStore | None = None
 ) -> Board | TiledScreen:
     """
     What draws a picture: the one board that has its size, or several, or one in tiles.
@@ -137,7 +151,7 @@ def screen_of(
     size : tuple of int or None
       Width and height of the picture; None: of the first board's screen.
     reports : Reports
-    folder : Path, optional
+    store : TileStore, optional
       Where tiles are kept until the picture is whole.
 
     Returns
@@ -149,5 +163,4 @@ def screen_of(
     if len(pool.boards) == 1 and width <= first.width and height <= first.height:
         return first
     first.progress = None
-    store = None if folder is None else TileStore(folder)
     return TiledScreen(pool, width, height, reports.notice, reports.progress, store)

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from quadshade.board import BoardSettings
-from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.choices import VERIFIES, parse_verify
 from quadshade.packing.frame_file import read_frame_file
 from quadshade.rendering.groups import EngineChoice, PortChoice
-from quadshade.rendering.open_board import opened
+from quadshade.rendering.open_board import drawn_at, opened, tile_store
 from quadshade.rendering.settings import Reports
 from quadshade.rendering.simulated import simulated_screen
 
@@ -31,11 +30,14 @@ class Replayed:
     triangles : int
     statistics : dict
       Of the board's line.
+    port : str
+      Where the board is, or the boards are.
     """
 
     picture: np.ndarray | None
     triangles: int
     statistics: dict[str, float]
+    port: str
 
 
 def replay_on_board(
@@ -76,9 +78,8 @@ def replay_on_board(
             first.replay(frame, verify=parse_verify(port.verify) != VERIFIES[-1])
             picture = first.read(verify=port.verify) if read else None
             first.show()
-            return Replayed(picture, frame.triangles, first.statistics)
-        store = None if port.tiles_folder is None else TileStore(port.tiles_folder)
-        screen = TiledScreen(pool, *size, reports.notice, reports.progress, store, frame.formats)
+            return Replayed(picture, frame.triangles, first.statistics, drawn_at(port, first))
+        screen = TiledScreen(pool, *size, reports.notice, reports.progress, tile_store(port), frame.formats)
         picture = screen.replay(frame, port.verify)
         screen.forget_tiles()
-        return Replayed(picture, frame.triangles, screen.statistics)
+        return Replayed(picture, frame.triangles, screen.statistics, drawn_at(port, screen))

@@ -4,18 +4,45 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
 from quadshade.board.frame_time import BoardClock, PictureClocks
+from quadshade.choices import PACK_ERROR
+from quadshade.rendering.settings import RenderSettings
 
 
 class Levers(NamedTuple):
-    """Triangles of the level of detail, kind of channels, and where along its curve of pictures."""
+    """
+    Triangles of the level of detail, kind of channels, where along its curve of pictures, and grey levels
+    that words are packed to.
+    """
 
     faces: int
     shading: str
     step: int
+    pack_error: float = PACK_ERROR
+
+
+@dataclass
+class Pace:
+    """
+    What the frames so far were drawn with.
+
+    Attributes
+    ----------
+    ahead : callable, optional
+      Gives settings of other frames of the same scene, for which level and channels are to be chosen, too.
+    levers : Levers, optional
+      Of the frame before.
+    error : float
+      Root mean square, of when level and channels were chosen; by the curve's own measure.
+    """
+
+    ahead: Callable[[], Sequence[RenderSettings]] | None = None
+    levers: Levers | None = None
+    error: float = field(default=math.inf)
 
 
 @dataclass(frozen=True)
@@ -54,9 +81,11 @@ class Timing:
         """A labelled line of the summary."""
         share = 1000 / self.clock.clk_frequency_hz
         whole, line = self.clocks.whole * share, self.clocks.line * share
+        error = self.levers.pack_error
+        packed = f"; words packed to {error:g} grey levels" if error > PACK_ERROR else ""
         return (
             f"\n  time       at most {whole:.2f} of {self.milliseconds:g} ms, the line {line:.2f}, at "
-            f"{self.clock.baud} baud and {self.clock.clk_frequency_hz / 1e6:g} MHz"
+            f"{self.clock.baud} baud and {self.clock.clk_frequency_hz / 1e6:g} MHz{packed}"
         )
 
 
