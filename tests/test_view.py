@@ -36,6 +36,7 @@ STATES: tuple[dict[str, Any], ...] = (
     {"light": True, "light_x": -1, "light_y": 1, "shading": "quadratic-specular", "exponent": 7},
     {"fit": "least-squares", "zoom": 0.5},
     {"max_error": 2.5},
+    {"lod": 150, "shading": "gouraud"},
     {"frame_ms": 90, "baud": 460800, "max_error": 2.5},
     {"shading": "phong"},
 )

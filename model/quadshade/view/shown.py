@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import quadshade
+from quadshade.choices import PACK_ERROR
 from quadshade.contract.arrays import Bytes
 from quadshade.contract.formats import Formats
 from quadshade.image import largest_and_rms
@@ -114,8 +115,18 @@ class Viewed:
         if measure:
             reference = picture.array if state.is_reference else picture.phong_array()
         figures = cost(picture, state) | errors(picture, reference)
+        figures["levers"] = levers(picture)
         figures |= {"notes": list(picture.notes), "command": state.command(self.name, self.mesh, self.words)}
         return Shown(drawn_map(picture, reference, state.map), figures)
+
+
+def levers(picture: Picture) -> str | None:
+    """What gave a picture its frame time; None where there is none."""
+    timing = picture.stats.timing
+    if timing is None:
+        return None
+    faces = f"{picture.stats.faces} of {picture.stats.whole_faces} triangles"
+    return f"{faces}, {timing['shading']}, words to {timing['pack_error']:g} grey levels"
 
 
 def drawn_map(picture: Picture, reference: np.ndarray | None, kind: str) -> Bytes:
@@ -171,7 +182,8 @@ def cost(picture: Picture, state: ViewState) -> dict[str, Any]:
         return {"triangles": len(picture.triangles), "orders": {}, **unknown}
     # The line's packets come from the narrow stream, whatever the core of the engine has.
     formats = replace(Formats(**stats.generics), stream_width=32)
-    on_line = picture_line_bytes(picture.triangles, formats)
+    error = PACK_ERROR if stats.timing is None else stats.timing["pack_error"]
+    on_line = picture_line_bytes(picture.triangles, formats, error)
     counts = np.bincount(kinds(picture), minlength=len(ORDER_NAMES) + 1)
     names = (*ORDER_NAMES, "power at the pixel")
     return {

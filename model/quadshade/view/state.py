@@ -15,6 +15,7 @@ from quadshade.choices import DEFAULT_SHADING, FITS, PHONG, SHADINGS
 from quadshade.contract.arrays import Floats
 from quadshade.errors import QuadshadeError
 from quadshade.scene.camera import DEFAULT_FOV, DEFAULT_FROM, FIT_MARGIN
+from quadshade.scene.decimate import LEAST
 from quadshade.scene.mesh import Mesh
 
 MAPS = ("picture", "error", "orders", "wireframe")
@@ -35,6 +36,7 @@ RANGES = {
     "light_x": (-1.0, 1.0),
     "light_y": (-1.0, 1.0),
     "exponent": (1.0, 200.0),
+    "lod": (0, 1 << 31),
     "max_error": (0.0, 64.0),
     "frame_ms": (0.0, 10_000.0),
     "width": (16, 1024),
@@ -67,6 +69,8 @@ class ViewState:
       Whether the light was moved; else the default lights.
     shading, fit, map : str
     exponent : float
+    lod : int
+      Triangles of the level of detail, at most; 0: all.
     max_error : float
       Grey levels of an adaptive picture; 0: not adaptive.
     frame_ms : float
@@ -89,6 +93,7 @@ class ViewState:
     shading: str = DEFAULT_SHADING
     fit: str = FITS[0]
     exponent: float = 20.0
+    lod: int = 0
     max_error: float = 0.0
     frame_ms: float = 0.0
     map: str = MAPS[0]
@@ -172,6 +177,8 @@ class ViewState:
             "exponent": self.exponent,
             "lights": self.lights(),
         }
+        if 0 < self.lod < len(mesh):
+            given["lod"] = max(self.lod, LEAST)
         if self.is_adaptive and self.frame_ms > 0:
             return given | {"frame_time": self.frame_ms, "baud": self.baud, "clock": self.clock_mhz}
         if self.is_adaptive:
@@ -194,7 +201,7 @@ class ViewState:
         ]
         words += [f"--camera={given['camera']}", "--exponent", f"{self.exponent:.12g}"]
         words += [word for light in given["lights"] for word in ("--light", light)]
-        for name in ("shading", "fit", "max_error", "frame_time", "baud", "clock"):
+        for name in ("shading", "fit", "lod", "max_error", "frame_time", "baud", "clock"):
             if name in given and given[name] not in (DEFAULT_SHADING, FITS[0]):
                 words += [f"--{name.replace('_', '-')}", str(given[name])]
         return shlex.join(words)

@@ -6,6 +6,7 @@ const TURN = 0.5; // degrees a pixel of the mouse
 const KEY_TURN = 5;
 const KEY_MOVE = 0.05;
 const ZOOM_STEP = 1.1;
+const LOD_STEPS = 4; // of the slider, for half the triangles
 const SIZES = [128, 256, 320, 512, 768, 1024];
 const BAUDS = [115200, 230400, 460800, 1000000, 2000000, 3000000, 12000000];
 const CLOCKS = [12, 24, 50, 100, 150, 200];
@@ -120,6 +121,7 @@ function showFigures(figures, drawn) {
     ["root mean square error", number(figures.rms_error, 3), "rms_error"],
     [`frames a second at ${number(drawn.baud)} baud, ${drawn.clock_mhz} MHz`, rate === null ? "–" : number(rate, 1), "fps"],
     ["what bounds them", rate === null ? "–" : `the ${slower}`, "bound"],
+    ...(figures.levers ? [["what gave for the frame time", figures.levers, "levers"]] : []),
   ];
   const body = $("figures").tBodies[0];
   body.replaceChildren(
@@ -166,6 +168,8 @@ function showControls() {
   $("size").value = state.width;
   $("exponent").nextElementSibling.value = state.exponent;
   for (const id of ["max_error", "frame_ms"]) $(id).nextElementSibling.value = state[id] > 0 ? state[id] : "off";
+  $("lod").value = state.lod > 0 ? LOD_STEPS * Math.log2(state.lod / about.triangles) : 0;
+  $("lod").nextElementSibling.value = state.lod > 0 && state.lod < about.triangles ? state.lod : "all";
   const colours = state.shading === "quadratic";
   $("fit").disabled = !colours || state.max_error > 0 || state.frame_ms > 0;
   $("frame_ms").disabled = !colours || state.fit !== "six-point";
@@ -276,6 +280,10 @@ function reset() {
 for (const id of ["map", "shading", "fit"]) $(id).addEventListener("change", () => change({ [id]: $(id).value }));
 for (const id of ["baud", "clock_mhz"]) $(id).addEventListener("change", () => change({ [id]: Number($(id).value) }));
 for (const id of ["exponent", "max_error", "frame_ms"]) $(id).addEventListener("input", () => change({ [id]: Number($(id).value) }));
+$("lod").addEventListener("input", () => {
+  const share = 2 ** ($("lod").value / LOD_STEPS);
+  change({ lod: share < 1 ? Math.max(4, Math.round(about.triangles * share)) : 0 });
+});
 $("size").addEventListener("change", () => change({ width: Number($("size").value), height: Number($("size").value) }));
 $("default_light").addEventListener("click", () => change({ light: false, light_x: 0, light_y: 0 }));
 $("reset").addEventListener("click", reset);
