@@ -14,12 +14,20 @@ import numpy as np
 
 import quadshade
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import BoardClock, picture_clocks
+from quadshade.board.frame_time import BoardClock, PictureClocks, packed_clocks
+from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
+from quadshade.contract.shade_state import ShadeState
+from quadshade.contract.triangles import Pixels
+from quadshade.engine import draw_words
 from quadshade.errors import QuadshadeError
+from quadshade.image import paint, visible
+from quadshade.packing import pack_primitives
+from quadshade.packing.pack import Packed
 from quadshade.rendering import Picture, RenderSettings, Reports, render_picture
-from quadshade.rendering.in_time import Pace
-from quadshade.rendering.timing import Levers
+from quadshade.rendering.timing import Levers, Pace
+from quadshade.setup import setup_triangles
+from quadshade.setup.packet import pack
 
 SIZE = (160, 120)
 CLOCK_HZ = 100_000_000
@@ -38,6 +46,25 @@ class Fixed(NamedTuple):
 
     shading: str
     faces: int
+
+
+class Sent(NamedTuple):
+    """A picture on its way to a board."""
+
+    packed: Packed
+    state: ShadeState | None
+    formats: Formats
+
+    def clocks(self, rate: tuple[int, int]) -> PictureClocks:
+        """What it takes at a rate."""
+        return packed_clocks(self.packed, self.state, self.formats, BoardClock(CLOCK_HZ, rate[0], *SIZE))
+
+    def shown(self) -> np.ndarray:
+        """(h, w, 3) uint8: as a board shows it."""
+        emitted = draw_words(pack(self.packed.primitives, self.formats), self.formats, state=self.state)
+        colours = self.formats.emitted_channels
+        pixels = Pixels(emitted.packet, emitted.x, emitted.y, emitted.value, emitted.value[:, colours])
+        return paint(visible(pixels, *SIZE), pixels.value, (0, 0, 0))
 
 
 class Errors:
@@ -93,15 +120,18 @@ class Series:
         """Triangles of the scene."""
         return len(quadshade.load_scene(self.scene))
 
-    def clocks(self, picture: Picture, rate: tuple[int, int]) -> Any:
-        """What a picture takes at a rate."""
+    def sent(self, picture: Picture) -> Sent:
+        """What a board gets of a picture."""
         formats = replace(Formats(**picture.stats.generics), stream_width=32)
-        clock = BoardClock(CLOCK_HZ, rate[0], *SIZE)
-        return picture_clocks(sent_triangles(picture.triangles, formats), formats, clock)
+        triangles, timing = sent_triangles(picture.triangles, formats), picture.stats.timing
+        error = PACK_ERROR if timing is None else timing["pack_error"]
+        primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
+        return Sent(pack_primitives(primitives, formats, error, triangles.shade), triangles.shade, formats)
 
     def in_time(self, picture: Picture) -> bool:
         """Whether a picture is complete in both frame times."""
-        return all(self.clocks(picture, rate).whole <= CLOCK_HZ // rate[1] for rate in RATES)
+        sent = self.sent(picture)
+        return all(sent.clocks(rate).whole <= CLOCK_HZ // rate[1] for rate in RATES)
 
     def best_fixed(self) -> Fixed:
         """The fixed choice with the least mean error of those in time in every frame that is looked at."""
@@ -139,7 +169,7 @@ class Series:
 
     def again(self, row: dict[str, Any]) -> Picture:
         """The picture of a frame whose numbers are known."""
-        pace = Pace(levers=Levers(row["faces"], row["shading"], row["step"]))
+        pace = Pace(levers=Levers(*(row[name] for name in Levers._fields)))
         return self.animation.frame(row["frame"], pace)
 
     def rows(self, fixed: Fixed, first: int = 0, levers: Levers | None = None) -> Iterator[dict[str, Any]]:
@@ -154,14 +184,15 @@ class Series:
                 "unbudgeted": self.fixed(frame, Fixed("quadratic", self.faces)),
             }
             row: dict[str, Any] = {"scene": self.scene, "frame": frame, "fixed": list(fixed)}
-            for name, picture in drawn.items():
+            sent = {name: self.sent(picture) for name, picture in drawn.items()}
+            for name, on_line in sent.items():
                 key = name.replace(" ", "_")
-                row[f"{key}_error"], row[f"{key}_flicker"] = errors[name].add(picture.array, reference)
+                row[f"{key}_error"], row[f"{key}_flicker"] = errors[name].add(on_line.shown(), reference)
             timing = drawn["frame time"].stats.timing
             assert timing is not None
-            row |= {name: timing[name] for name in ("faces", "shading", "step", "line_bytes")}
-            for baud, fps in RATES:
-                clocks = self.clocks(drawn["frame time"], (baud, fps))
-                row[f"line_{baud}"], row[f"whole_{baud}"] = clocks.line, clocks.whole
-                row[f"fixed_whole_{baud}"] = self.clocks(drawn["fixed"], (baud, fps)).whole
+            row |= {name: timing[name] for name in ("faces", "shading", "step", "pack_error", "line_bytes")}
+            for rate in RATES:
+                clocks = sent["frame time"].clocks(rate)
+                row[f"line_{rate[0]}"], row[f"whole_{rate[0]}"] = clocks.line, clocks.whole
+            row["fixed_whole"] = sent["fixed"].clocks(RATES[-1]).whole
             yield row

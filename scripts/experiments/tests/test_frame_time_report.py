@@ -47,7 +47,7 @@ def test_a_bad_line_makes_no_wrong_picture(series: Series, rows: list[dict]) -> 
     assert [picture.stats.timing["line_bytes"] for picture in pictures] == [
         row["line_bytes"] for row in rows[:4]
     ]
-    found = on_a_bad_line(pictures, RATES[0])
+    found = on_a_bad_line([series.sent(picture) for picture in pictures], RATES[0])
     assert found["wrong"] == 0 and 0 <= found["late"] <= 4
 
 
