@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,6 +32,7 @@ from quadshade.synthesis.cells import with_cells
 from quadshade.synthesis.families import Device
 from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapping import CHECKED
+from scripts import bitstream
 from scripts.bitstream import page
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -149,6 +151,23 @@ def test_a_tool_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_generics_of_devices_and_monitors(generics: dict[str, int], message: str) -> None:
     with pytest.raises(QuadshadeError, match=message):
         board_settings(None, None, generics)
+
+
+def test_what_is_left_out_of_setup_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With pip, and what ``pyproject.toml`` pins for it; nothing where nothing is missing."""
+    ran: list[list[str]] = []
+    monkeypatch.setattr(bitstream, "run_tool", lambda command, folder: ran.append(command))
+    monkeypatch.setattr(bitstream, "missing_packages", lambda board: ["apycula"])
+    bitstream.install(read_board("ulx3s-25f", ROOT), ROOT)
+    assert ran == []
+    tang = read_board("tang-nano-20k", ROOT)
+    bitstream.install(tang, ROOT)
+    assert [command[-1] for command in ran] == [".[gowin]"] and ran[0][1:4] == ["-m", "pip", "install"]
+    monkeypatch.setattr(bitstream, "missing_packages", lambda board: [])
+    bitstream.install(tang, ROOT)
+    assert len(ran) == 1
+    pinned = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]["gowin"]
+    assert {line.split("==")[0] for line in pinned} >= set(tang.device.described.packages)
 
 
 def test_small_board_has_no_latch(tmp_path: Path) -> None:

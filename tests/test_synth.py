@@ -22,6 +22,7 @@ from quadshade.synthesis import (
     find_board,
     find_device,
     find_family,
+    flow,
     module_ports,
     table,
     write_harness,
@@ -229,6 +230,32 @@ def test_too_large_for_the_device(tmp_path: Path) -> None:
     assert "fewer channels" in str(raised.value)
     with pytest.raises(QuadshadeError, match=r"nextpnr-ice40 failed: .*none\.json"):
         run_nextpnr([*device.place, *device.described.unconstrained, "--json", "none.json"], tmp_path, device)
+
+
+FULL = """\
+Info: \t              DP16KD:      60/     56   107%
+Info: \t        TRELLIS_COMB:    9000/  24288    37%
+"""
+
+
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        (FULL, r"60 of 56 DP16KD; give a smaller screen, colour_bits=6 or 4"),
+        (FULL.replace("9000", "24999"), r"60 of 56 DP16KD; give a smaller screen"),
+        (FULL.replace("60/", "10/"), r"9000 of 24288 TRELLIS_COMB; give fewer channels"),
+        ("", "no BELs remaining"),
+    ],
+    ids=["memory", "memory first", "logic", "no log"],
+)
+def test_what_to_leave_out(log: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*arguments: object) -> str:
+        (tmp_path / "nextpnr.log").write_text(log)
+        raise QuadshadeError("nextpnr failed: ERROR: no BELs remaining to implement a cell")
+
+    monkeypatch.setattr(flow, "run_tool", fails)
+    with pytest.raises(QuadshadeError, match=said):
+        run_nextpnr(["nextpnr"], tmp_path, find_device("ecp5-25k-6"))
 
 
 def test_fmax() -> None:
