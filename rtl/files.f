@@ -39,6 +39,7 @@ rtl/shade/shade.vhd
 rtl/shade/render_core.vhd
 rtl/screen/screen_pkg.vhd
 rtl/screen/depth_test.vhd
+rtl/screen/sdram_depth_test.vhd
 rtl/screen/framebuffer.vhd
 rtl/screen/read_out.vhd
 rtl/screen/edge_map.vhd

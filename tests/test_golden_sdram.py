@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from quadshade.golden.common.sdram_chip import (
@@ -21,6 +22,8 @@ from quadshade.golden.common.sdram_chip import (
     SdramFault,
 )
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
+from quadshade.golden.screen.framebuffer import draw_pixels
+from quadshade.golden.screen.sdram_depth_test import Pixel, SdramDepthTest
 
 MHZ_100 = 100e6
 MODE = 0x30
@@ -210,6 +213,32 @@ def test_a_clock_less_is_refused(name: str) -> None:
     less = replace(generics, **{f"{name}_clocks": getattr(generics, f"{name}_clocks") - 1})
     with pytest.raises(SdramFault, match=f"t_{name} is"):
         traffic(less, SdramChip(timing, MHZ_100, 1000), 3000)
+
+
+def test_pixels_are_kept_as_the_z_buffer_keeps_them(rng: np.random.Generator) -> None:
+    width, height, count = 12, 5, 800
+    x, y, value = (rng.integers(0, most, count) for most in (width + 2, height + 1, 1 << 16))
+    depth = rng.integers(0, 8, count)
+    model = SdramDepthTest(width, height, depth_bits=3, data_bits=16, run_words=4)
+    for plane, ground in ((0, 5), (1, 6)):
+        model.plane = plane
+        model.clear(ground)
+        for pixel in zip(x.tolist(), y.tolist(), value.tolist(), depth.tolist(), strict=True):
+            model.draw(Pixel(*pixel))
+        expected = draw_pixels(x, y, value[:, None], depth, width, height, 3, (ground,))[:, :, 0]
+        got = [[model.words[plane, row, column] for column in range(width)] for row in range(height)]
+        assert np.array_equal(got, expected)
+    assert model.words[0, 0, 0] in (5, *value.tolist()), "the other plane stays"
+    places = {model.address(*place) for place in model.words}
+    assert len(places) == len(model.words) == 3 * width * height
+
+
+def test_spans_end_at_a_run_and_where_no_neighbour_follows() -> None:
+    model = SdramDepthTest(8, 2, run_words=4)
+    pixels = [
+        Pixel(x, y, 0, 0) for x, y in [(2, 0), (3, 0), (1, 0), (0, 0), (4, 0), (5, 0), (5, 1), (9, 1), (7, 1)]
+    ]
+    assert [[pixel.x for pixel in span] for span in model.spans(pixels)] == [[2, 3, 1, 0], [4, 5], [5], [7]]
 
 
 def test_too_few_refreshes_are_refused() -> None:

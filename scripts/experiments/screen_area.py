@@ -31,6 +31,7 @@ CASES: list[tuple[str, str, dict[str, int]]] = [
     ("scan_out", "ecp5-85k-6", {"width": 320}),
     ("pixel_packer", "ecp5-85k-6", {}),
     ("sdram_controller", "ecp5-85k-6", {}),
+    ("sdram_depth_test", "ecp5-25k-6", {}),
     ("depth_test", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL),
     ("framebuffer", "ecp5-25k-6", SMALL | DOUBLE),

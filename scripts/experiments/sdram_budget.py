@@ -28,6 +28,7 @@ from quadshade.files.markdown import markdown_table
 from quadshade.golden.common.sdram_chip import CHIPS, SdramTiming
 from quadshade.golden.common.sdram_controller import SdramGenerics
 from quadshade.golden.screen.scan_out import Timing
+from quadshade.golden.screen.sdram_depth_test import span_clocks
 from quadshade.packing.line import frame_bytes, frames_bytes
 from quadshade.packing.pack import unpack
 from quadshade.scene import fit_camera, load_scene, project
@@ -146,22 +147,18 @@ def blocks(rows: int) -> dict[str, int]:
     return {"rows": rows, "bands": SIZE[1] // rows, "colours": 2 * colours, "depths": depths}
 
 
-def spans_of(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Lengths of the scanlines of triangles, of the core's pixels in their order."""
+def spans_of(x: np.ndarray, y: np.ndarray, run_words: int) -> np.ndarray:
+    """Lengths of spans of the core's pixels in their order; a span ends at a multiple of a run."""
     same = (y[1:] == y[:-1]) & (np.abs(np.diff(x.astype(int))) == 1)
+    same &= np.diff(x // run_words) == 0
     starts = np.flatnonzero(np.concatenate(([True], ~same)))
     return np.diff(np.append(starts, len(x)))
 
 
 def depth_clocks(spans: np.ndarray, generics: SdramGenerics) -> int:
-    """Clocks of the memory if depth were in it: a span's depths are read, then depths and colours written."""
-    total = 0
-    for length, count in zip(*np.unique(spans, return_counts=True), strict=True):
-        whole, rest = divmod(int(length), generics.run_words)
-        for words, times in ((generics.run_words, whole), (rest, int(rest > 0))):
-            read, write = generics.run_clocks(words, False), generics.run_clocks(words, True)
-            total += int(count) * times * (read + 2 * write)
-    return total
+    """Clocks of spans with their depths in the memory: read, then written with the colours."""
+    lengths = zip(*np.unique(spans, return_counts=True), strict=True)
+    return sum(int(count) * span_clocks(int(length), generics) for length, count in lengths)
 
 
 def scene_costs(scene: str) -> dict:
@@ -182,7 +179,7 @@ def scene_costs(scene: str) -> dict:
     swap = frame_bytes(PAYLOADS[Opcode.SWAP].field_bytes)
     everything = Rectangle(0, 0, *SIZE)
     emitted = draw_words(unpack(words(everything)[0], formats), formats)
-    spans = spans_of(emitted.x, emitted.y)
+    spans = spans_of(emitted.x, emitted.y, SdramGenerics().run_words)
     bands = []
     for rows in ROWS:
         tops = range(0, SIZE[1], rows)
@@ -289,7 +286,7 @@ def report(results: dict) -> str:
     ]
     about = f"""
         Written by `{results["command"]}` (`make sdram`). A calculation ahead of a board that has such a
-        picture: there is none yet. [The controller](../reference/sdram.md) is there, and its clocks are
+        picture: there is none yet. [The units](../reference/sdram.md) are there, and their clocks are
         used here: {HERTZ // 1_000_000} MHz, runs of {generics["run_words"]} words, a refresh every
         {generics["refresh_clocks"]} clocks, a pixel of {PIXEL_BITS} bits, dithered.
     """

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
+from quadshade.golden.screen.sdram_depth_test import span_clocks
 from scripts.experiments import sdram_budget as budget
 
 
@@ -54,11 +55,12 @@ def test_the_monitor_takes_a_pixel_in_four_clocks_and_rests() -> None:
 
 def test_spans_are_those_of_triangles() -> None:
     x, y = np.array([3, 4, 5, 9, 8, 7, 7, 1]), np.array([1, 1, 1, 1, 1, 1, 2, 2])
-    assert budget.spans_of(x, y).tolist() == [3, 3, 1, 1]
+    assert budget.spans_of(x, y, 16).tolist() == [3, 3, 1, 1]
+    assert budget.spans_of(x, y, 4).tolist() == [1, 2, 2, 1, 1, 1]
     generics = SdramGenerics()
-    one = generics.run_clocks(1, False) + 2 * generics.run_clocks(1, True)
-    full = generics.run_clocks(64, False) + 2 * generics.run_clocks(64, True)
-    assert budget.depth_clocks(np.array([1, 65, 64]), generics) == 2 * one + 2 * full
+    one, full = span_clocks(1, generics), span_clocks(64, generics)
+    assert (one, full) == (27, 216)
+    assert budget.depth_clocks(np.array([1, 64, 1, 64]), generics) == 2 * one + 2 * full
 
 
 def test_the_report_is_that_of_its_numbers() -> None:
