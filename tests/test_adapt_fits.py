@@ -113,7 +113,7 @@ def test_errors_and_budgets_are_monotonic() -> None:
 
 
 def test_auto_fits_only_what_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One picture is fitted anew for an error, where minimax fits four; for a budget until one is too dear."""
+    """For an error one picture is fitted, where minimax fits four; for a budget until one is too dear."""
     whole, asked = looked_at("torus:288"), []
     cheapest = Refit.cheapest
 

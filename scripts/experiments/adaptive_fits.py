@@ -76,7 +76,8 @@ def cells(row: dict) -> list[str]:
     return [
         row["mesh"], f"{row['max_error']:g}", fitted["channels"], str(plain["bytes"]), str(fitted["bytes"]),
         f"{fitted['bytes'] / plain['bytes']:.3f}", str(plain["parts"]), str(fitted["parts"]),
-        f"{fitted['max']:.2f}", str(auto["bytes"]), f"{auto['bytes'] / plain['bytes']:.3f}", str(flat), f"{flat / plain['bytes']:.3f}",
+        f"{fitted['max']:.2f}", str(auto["bytes"]),
+        f"{auto['bytes'] / plain['bytes']:.3f}", str(flat), f"{flat / plain['bytes']:.3f}",
     ]  # fmt: skip
 
 
@@ -125,9 +126,10 @@ def text(rows: list[dict], command: str, size: int, exponent: float, missing: bo
         ),
         "",
         paragraph(
-            f"`--fit auto` fits only the picture that is found: the median share is {np.median(auto):.3f}, the "
-            f"least {min(auto):.3f}. For {TIMED:g} grey levels planning takes {np.median(time_auto):.1f} times "
-            f"as much processor time as with six points ({min(time_auto):.1f} to {max(time_auto):.1f}), with "
+            f"`--fit auto` fits only the picture that is found: the median share is {np.median(auto):.3f}, "
+            f"the least {min(auto):.3f}. For {TIMED:g} grey levels planning takes "
+            f"{np.median(time_auto):.1f} times as much processor time as with six points "
+            f"({min(time_auto):.1f} to {max(time_auto):.1f}), with "
             f"`minimax` {np.median(time_minimax):.1f} times ({min(time_minimax):.1f} to "
             f"{max(time_minimax):.1f})."
         ),

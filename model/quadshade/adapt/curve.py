@@ -118,7 +118,7 @@ class Curve:
         return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
     def draw_around(self, index: int) -> None:
-        """Draw at once what :meth:`cheapest` compares first: the plan for a limit and some that are looser."""
+        """Draw at once what :meth:`cheapest` compares first: the plan for a limit and some looser ones."""
         if self.planner.measure != "max" or not self.verify or index in self._known:
             return
         plans = [self.plan(near) for near in range(index, max(index - MISSES, 0) - 1, -1)]

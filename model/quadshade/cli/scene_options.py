@@ -191,8 +191,8 @@ def shading_options(shadings: tuple[str, ...] = SHADINGS) -> list[Decorator]:
             show_default=True,
             help="Which quadratic a triangle gets: through six samples, the best for the squared or the "
             "largest error over the whole picture, with smaller jumps of the derivative across edges, or "
-            "without, in parts where a jump could be seen (c1); auto: with --max-error or --budget what takes "
-            "fewer bytes, six samples or each part fitted anew.",
+            "without, in parts where a jump could be seen (c1); auto: with --max-error or --budget what "
+            "takes fewer bytes, six samples or each part fitted anew.",
         ),
         option(
             "Shading",

@@ -28,7 +28,7 @@ WORSE = 2
 def level_for_words(
     settings: RenderSettings, drawer: str, reports: Reports, count_line: LineCount
 ) -> tuple[Formats, ShownScene]:
-    """Formats, and the scene as it is drawn, for those who take words; ``drawer`` computes no Phong shading."""
+    """Formats, and the scene as it is drawn, for who takes words; ``drawer`` computes no Phong shading."""
     formats = settings.checked()
     if settings.scene.interpolation == PHONG:
         raise QuadshadeError(f"the shading is phong, which no {drawer} computes", "use another --shading")
