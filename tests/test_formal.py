@@ -52,8 +52,6 @@ def test_every_stateful_unit_is_proved() -> None:
     tested = {"uart_rx", "uart_tx", "cobs_encoder"}
     # Compared with their models: behind the frame receiver, which lets only what is right pass.
     tested |= {"answer_sender", "command_executor", "command_decoder"}
-    # Compared with its model, of which every answer is unpacked again; a wrong byte fails the plane's CRC.
-    tested |= {"pixel_packer"}
     # Compared with its model behind the controller's, whose chip refuses what is wrong.
     tested |= {"sdram_depth_test"}
     # Compared with their models as a whole.
