@@ -3,6 +3,7 @@
 rtl/generated/quadshade_pkg.vhd
 rtl/generated/link_pkg.vhd
 rtl/generated/packed_pkg.vhd
+rtl/generated/vertex_pkg.vhd
 rtl/generated/axis_pkg.vhd
 rtl/common/memory_pkg.vhd
 rtl/common/block_ram.vhd
@@ -21,6 +22,8 @@ rtl/link/answer_sender.vhd
 rtl/link/command_executor.vhd
 rtl/link/command_decoder.vhd
 rtl/link/word_unpacker.vhd
+rtl/link/vertex_alu.vhd
+rtl/link/vertex_unpacker.vhd
 rtl/link/pixel_packer.vhd
 rtl/core/setup_loader.vhd
 rtl/core/load_adder.vhd

@@ -3,7 +3,7 @@
 Write the packages of ``rtl/generated/`` from their one source each in ``quadshade.contract``.
 
 ``quadshade_pkg.vhd`` comes from ``formats``, ``link_pkg.vhd`` from ``protocol``, ``packed_pkg.vhd`` from
-``packed_format``, ``axis_pkg.vhd`` from ``axis``.
+``packed_format``, ``vertex_pkg.vhd`` from ``vertex_program``, ``axis_pkg.vhd`` from ``axis``.
 
 ``--check`` writes nothing and exits with code 1 if a file in the tree is not what would be written.
 """
@@ -21,6 +21,7 @@ from quadshade.files.atomic import write_text
 from scripts.generate_vhdl import axis as generate_axis
 from scripts.generate_vhdl import link as generate_link
 from scripts.generate_vhdl import packed as generate_packed
+from scripts.generate_vhdl import vertices as generate_vertices
 
 RTL = Path(__file__).resolve().parents[2] / "rtl" / "generated"
 
@@ -55,7 +56,7 @@ def vhdl_expression(expression: str) -> str:
     Parameters
     ----------
     expression : str
-      Integers, ``+ - * /`` and names of generics or derived widths.
+      Integers, ``+ - * / **`` and names of generics or derived widths.
 
     Returns
     -------
@@ -203,6 +204,7 @@ def main() -> int:
         "quadshade_pkg.vhd": package(),
         "link_pkg.vhd": generate_link.package(),
         "packed_pkg.vhd": generate_packed.package(vhdl_expression),
+        "vertex_pkg.vhd": generate_vertices.package(vhdl_expression),
         "axis_pkg.vhd": generate_axis.package(vhdl_expression),
     }
     for name, text in packages.items():

@@ -37,6 +37,7 @@ COMMANDS = {
     "painter.png": ("render", *SCENE, "--generic", "with_depth=0"),
     "edges.png": ("render", *SCENE, "--edges", "profile,inner"),
     "picture.qs": ("pack", *SCENE),
+    "vertices.qs": ("pack", *SCENE, "--vertices"),
     "exact.qs": ("pack", *SCENE, "--pack-error", "0"),
     "board.png": ("render", *SCENE, "--port", "sim", "--engine", "model"),
     "timed.png": ("render", *SCENE, "--port", "sim", "--engine", "model", "--frame-time", "40"),

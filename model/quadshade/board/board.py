@@ -352,10 +352,10 @@ class Board(BoardReader):
         Raises
         ------
         QuadshadeError
-          The board has other generics or another screen; or a CRC differs.
+          The board has other generics or another screen; the file holds vertices; or a CRC differs.
         """
-        wanted = frame.formats.generics().items()
-        other = [(name, value) for name, value in wanted if value != self.identity[name]]
+        frame.check_sendable()
+        other = [pair for pair in frame.formats.generics().items() if pair[1] != self.identity[pair[0]]]
         if other:
             names = ", ".join(f"{name}={value} (the board: {self.identity[name]})" for name, value in other)
             raise QuadshadeError(f"the file is for a board with {names}", "pack it again for this board")

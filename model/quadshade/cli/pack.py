@@ -14,6 +14,7 @@ from quadshade.cli.options import GENERICS_EPILOG, TitledCommand, add_options, g
 from quadshade.cli.scene_options import (
     ERROR_OPTIONS,
     PACK_OPTIONS,
+    VERTEX_OPTIONS,
     scene_options,
     setup_options,
     shading_options,
@@ -33,15 +34,17 @@ from quadshade.cli.terminal import reporting
     setup_options(),
     [generic_option(board=False)],
     PACK_OPTIONS,
+    VERTEX_OPTIONS,
     [output_option("Where the packed picture goes: frame.qs.")],
 )
-def pack(scene: str, output: Path, pack_error: float | None, **options: Any) -> None:
+def pack(scene: str, output: Path, pack_error: float | None, vertices: bool, **options: Any) -> None:
     """
     Pack SCENE for a board: what `render` draws, as the words that go over its line.
 
     \b
     quadshade pack sphere:690 -o frame.qs --size 320x240
     quadshade pack sphere:690 -o frame.qs --size 320x240 --pack-error 0
+    quadshade pack sphere:690 -o vertices.qs --size 320x240 --vertices
     quadshade dump frame.qs
     """
     with leave_at_once():
@@ -52,6 +55,7 @@ def pack(scene: str, output: Path, pack_error: float | None, **options: Any) -> 
     check_writable(output, inputs=[Path(scene)])
     settings = RenderSettings.collect({"scene": scene, **options})
     with reporting() as reports:
-        packed = pack_picture(settings, PACK_ERROR if pack_error is None else pack_error, reports)
+        error = PACK_ERROR if pack_error is None else pack_error
+        packed = pack_picture(settings, error, reports, vertices)
     write_bytes(output, packed.content)
     click.echo(f"{output}: {packed.summary}")

@@ -90,6 +90,17 @@ PACK_OPTIONS: list[Decorator] = [
     )
 ]
 
+VERTEX_OPTIONS: list[Decorator] = [
+    option(
+        "Accuracy",
+        "--vertices",
+        is_flag=True,
+        help="Pack corners and edge middles, which neighbours share: on a mesh of small triangles a third of "
+        "the bytes or fewer. No board takes them yet: for dump, and for your own design "
+        "(docs/reference/vertices.md).",
+    )
+]
+
 
 def scene_options(size: str = DEFAULT_SIZE, background: str = "black") -> list[Decorator]:
     """What is looked at; ``size`` and ``background`` are what the help says of their defaults."""

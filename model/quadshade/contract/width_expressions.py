@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Width expressions: integers, names and ``+ - * /``, which mean the same in Python and in VHDL."""
+"""Width expressions: integers, names and ``+ - * / **``, which mean the same in Python and in VHDL."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ _OPERATORS: dict[type[ast.operator], Callable[[int, int], int]] = {
     ast.Mult: operator.mul,
     # VHDL rounds a quotient towards zero, Python down: the same, as no width is negative.
     ast.Div: operator.floordiv,
+    ast.Pow: operator.pow,
 }
 
 
@@ -26,7 +27,7 @@ def evaluate(expression: str, names: Hashable) -> int:
     Parameters
     ----------
     expression : str
-      Integers, names and ``+ - * /``, where ``/`` drops the remainder.
+      Integers, names and ``+ - * / **``, where ``/`` drops the remainder.
     names : hashable
       Its attributes are what the names mean.
 
@@ -48,7 +49,7 @@ def _value(node: ast.expr, names: object) -> int:
             return int(getattr(names, name))
         case ast.BinOp(left=left, op=sign, right=right) if type(sign) in _OPERATORS:
             return _OPERATORS[type(sign)](_value(left, names), _value(right, names))
-    raise ValueError(f"{ast.unparse(node)!r} is no width: give integers, names and + - * /")
+    raise ValueError(f"{ast.unparse(node)!r} is no width: give integers, names and + - * / **")
 
 
 class DerivedWidth:

@@ -16,6 +16,7 @@ from quadshade.contract.packed_format import (
     packed_fields,
 )
 from quadshade.golden.core.setup_loader import Packet, load_packets
+from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.packing.frame_file import FrameFile
 
@@ -96,12 +97,15 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
     most : int, optional
       Show no more packets.
     """
-    unpacker, formats = WordUnpacker(frame.formats), frame.formats
+    formats = frame.formats
+    vertices = VertexUnpacker(formats) if frame.vertices else None
+    plain = vertices.plain if vertices else WordUnpacker(formats)
     names = _width_names()
-    held = unpacker.widths
+    held = plain.widths
     shown = None if most is None else min(most, sys.maxsize)
-    for index, (start, end, setup_words) in enumerate(islice(unpacker.packets(frame.words), shown)):
-        widths = unpacker.widths
+    packets = (vertices or plain).packets(frame.words)
+    for index, (start, end, setup_words) in enumerate(islice(packets, shown)):
+        widths = plain.widths
         changed = [
             f"{names[address]} {new}"
             for address, (old, new) in enumerate(zip(held, widths, strict=True))
@@ -112,6 +116,7 @@ def packet_lines(frame: FrameFile, most: int | None = None) -> Iterator[str]:
         yield f"packet {index}: bits {start} to {end - 1}, {end - start} bits, {unpacked_bits} unpacked"
         if changed:
             yield f"  widths: {', '.join(changed)}"
-        (packet,) = load_packets(setup_words.tolist(), formats)
-        yield from _field_text(packet, formats)
-        yield from _word_text(packet, formats)
+        # A run of packed words among vertices may have several.
+        for packet in load_packets(setup_words.tolist(), formats):
+            yield from _field_text(packet, formats)
+            yield from _word_text(packet, formats)

@@ -21,12 +21,14 @@ from quadshade.contract.protocol import MAX_PAYLOAD, SEQUENCES, WORD_BYTES, Opco
 from quadshade.contract.releases import other_release
 from quadshade.contract.shade_state import colour_state
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.contract.vertex_program import check_formats
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.plane_reader import COLOUR, DEPTH
 from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade import render_core
 from quadshade.link.frames import Frame
 from quadshade.packing.pack import Packed, pack_primitives, unpack
+from quadshade.packing.pack_vertices import pack_vertices, unpack_vertices
 from quadshade.setup.triangle_setup import setup_triangles
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ MAGIC = b"\x89QSF\r\n\x1a\n"
 """As PNG's: a transfer that takes the file for text damages it visibly."""
 
 VERSION = 1
-HEAD, STATE, TRIANGLES, END = b"HEAD", b"STAT", b"TRIS", b"DONE"
+HEAD, STATE, TRIANGLES, VERTICES, END = b"HEAD", b"STAT", b"TRIS", b"VERT", b"DONE"
 MAX_BLOCK = 1 << 16
 """Most bytes of a block's content."""
 
@@ -74,6 +76,8 @@ class FrameFile:
       What FRAME_CRC has to say of the picture, and of the depth plane (0 without depth).
     definition : int
       Hash of formats, packet layout and protocol.
+    vertices : bool
+      The words are those of ``vertex_unpacker``, which no board has yet.
     """
 
     formats: Formats
@@ -87,6 +91,7 @@ class FrameFile:
     crc: int = 0
     depth_crc: int = 0
     definition: int = field(default_factory=definition_hash)
+    vertices: bool = False
 
     def send(self, session: Session) -> None:
         """
@@ -95,15 +100,28 @@ class FrameFile:
         Parameters
         ----------
         session : quadshade.link.session.Session
+
+        Raises
+        ------
+        QuadshadeError
+          As for :meth:`check_sendable`.
         """
+        self.check_sendable()
         session.clear(self.clear_colour)
         for address, words in self.state:
             session.state(address, words)
         session.triangles(self.words)
 
+    def check_sendable(self) -> None:
+        """Raise :class:`QuadshadeError` where the words are vertices: no board takes them yet."""
+        if self.vertices:
+            raise QuadshadeError(
+                "the file holds vertices, which no board takes yet", "pack without --vertices"
+            )
+
     def set_up_words(self) -> np.ndarray:
         """(n,) uint32: what the core gets."""
-        return unpack(self.words, self.formats)
+        return set_up_words(self.words, self.formats, self.vertices)
 
     def line_bytes(self) -> int:
         """Bytes of the triangles on an undamaged line: framing, header and CRC of full frames included."""
@@ -116,6 +134,7 @@ def pack_frame(
     background: tuple[int, int, int] = (0, 0, 0),
     error: float = PACK_ERROR,
     limit: float | None = MAX_ERROR,
+    vertices: bool = False,
     **setup: Any,
 ) -> tuple[FrameFile, Packed]:
     """
@@ -131,6 +150,8 @@ def pack_frame(
       As for :func:`quadshade.packing.pack.pack_primitives`.
     limit, **setup
       As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
+    vertices : bool
+      Pack for ``vertex_unpacker``.
 
     Returns
     -------
@@ -144,8 +165,13 @@ def pack_frame(
     """
     if formats.value_bits != BOARD_VALUE_BITS:
         raise QuadshadeError(f"generic value_bits is {formats.value_bits}", "a board's colours have 8 bits")
+    if vertices:
+        check_formats(formats)
     primitives = setup_triangles(triangles, formats, limit=limit, **setup)
-    batch = pack_primitives(primitives, formats, error, triangles.shade)
+    if vertices:
+        batch = pack_vertices(primitives, triangles, formats, error)
+    else:
+        batch = pack_primitives(primitives, formats, error, triangles.shade)
     state = None
     if formats.with_shade:
         state = colour_state(formats) if triangles.shade is None else triangles.shade
@@ -153,7 +179,7 @@ def pack_frame(
     depth_bits = formats.depth_bits if formats.with_depth else None
     screen = Screen(triangles.width, triangles.height, formats.emitted_channels, depth_bits)
     screen.clear(colour)
-    words = unpack(batch.words, formats)
+    words = set_up_words(batch.words, formats, vertices)
     pixels = render_core.draw(words, formats, state)
     value, channels = pixels.value, formats.emitted_channels
     screen.draw(pixels.x, pixels.y, value[:, :channels], value[:, channels] if formats.with_depth else None)
@@ -168,8 +194,14 @@ def pack_frame(
         () if state is None else state_runs(render_core.needed_writes(words, state, formats)),
         screen.frame_crc(COLOUR),
         screen.frame_crc(DEPTH) if formats.with_depth else 0,
+        vertices=vertices,
     )
     return frame, batch
+
+
+def set_up_words(words: np.ndarray, formats: Formats, vertices: bool) -> np.ndarray:
+    """(n,) uint32: what the core gets of packed words, or of those of ``vertex_unpacker``."""
+    return unpack_vertices(words, formats) if vertices else unpack(words, formats)
 
 
 def state_runs(writes: np.ndarray) -> tuple[tuple[int, np.ndarray], ...]:
@@ -216,7 +248,8 @@ def encode_frame_file(frame: FrameFile) -> bytes:
         for at in range(0, len(data), most):
             first = struct.pack("<I", address + at // WORD_BYTES)
             blocks.append(block(STATE, first + data[at : at + most]))
-    blocks += [block(TRIANGLES, words[at : at + MAX_BLOCK]) for at in range(0, len(words), MAX_BLOCK)]
+    kind = VERTICES if frame.vertices else TRIANGLES
+    blocks += [block(kind, words[at : at + MAX_BLOCK]) for at in range(0, len(words), MAX_BLOCK)]
     end = struct.pack(END_LAYOUT, len(frame.words), frame.crc, frame.depth_crc)
     return MAGIC + b"".join(blocks) + block(END, end)
 
@@ -309,11 +342,13 @@ def decode_frame_file(data: bytes, name: str = "frame.qs") -> FrameFile:
     fields = _head(head, name)
     parts: list[bytes] = []
     state: list[tuple[int, np.ndarray]] = []
+    kinds: set[bytes] = set()
     for kind, content in others:
-        if kind not in (STATE, TRIANGLES) or len(content) % WORD_BYTES or len(content) < WORD_BYTES:
+        if kind not in (STATE, TRIANGLES, VERTICES) or len(content) % WORD_BYTES or len(content) < WORD_BYTES:
             _damaged(name, f"a block {kind!r} of {len(content)} bytes")
-        if kind == TRIANGLES:
+        if kind != STATE:
             parts.append(content)
+            kinds.add(kind)
         else:
             address, *values = struct.unpack(f"<{len(content) // WORD_BYTES}I", content)
             state.append((address, np.array(values, np.uint32)))
@@ -321,7 +356,12 @@ def decode_frame_file(data: bytes, name: str = "frame.qs") -> FrameFile:
     count, crc, depth_crc = struct.unpack(END_LAYOUT, end)
     if count != len(words):
         _damaged(name, f"{len(words)} words, and not the {count} that its last block says")
-    frame = FrameFile(words=words, state=tuple(state), crc=crc, depth_crc=depth_crc, **fields)
+    if len(kinds) > 1:
+        _damaged(name, "its words are of two kinds")
+    vertices = kinds == {VERTICES}
+    frame = FrameFile(
+        words=words, state=tuple(state), crc=crc, depth_crc=depth_crc, vertices=vertices, **fields
+    )
     try:
         frame.set_up_words()
     except QuadshadeError as error:

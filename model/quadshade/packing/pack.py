@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from quadshade.choices import PACK_ERROR
-from quadshade.contract.arrays import Int, Ints, Words32
+from quadshade.contract.arrays import Bools, Int, Ints, Words32
 from quadshade.contract.formats import DIFFERENCES_OF_ORDER, SETUP_WORD_BITS, Formats
 from quadshade.contract.packed_format import (
     CHANNEL_KINDS,
@@ -58,12 +58,15 @@ class Packed:
       Bit at which each packet starts, and where the last one ends.
     added : float
       Most that shorter words add to the error of a colour at any pixel, in grey levels.
+    vertices : bool
+      The words are for a board with ``vertex_unpacker``; the others cannot read them.
     """
 
     words: np.ndarray
     primitives: Primitives
     starts: np.ndarray
     added: float
+    vertices: bool = False
 
 
 @njit(cache=True)
@@ -88,7 +91,7 @@ class _Packets(NamedTuple):
 
     ``flags`` are the bits of :data:`RAW_FIELDS`; ``fields`` (n, k) the fields from ``y`` on, of which the
     first ``num_fields`` are sent; ``widths`` (n, a) the width at each address, ``used`` where a packet needs
-    it.
+    it; ``aligned`` where it begins with a whole word.
     """
 
     flags: Ints
@@ -98,6 +101,7 @@ class _Packets(NamedTuple):
     words: Ints
     widths: Ints
     used: Ints
+    aligned: Bools
 
 
 class _Layout(NamedTuple):
@@ -123,6 +127,8 @@ def _write(packets: _Packets, layout: _Layout, out: Words32, starts: Ints) -> in
     last_orders = np.full(orders.shape[1], -1, np.int64)
     at = 0
     for p in range(len(packets.flags)):
+        if packets.aligned[p]:
+            at += -at % SETUP_WORD_BITS
         starts[p] = at
         at = _put(out, at, 1, 1)
         for address in range(len(held)):
@@ -176,7 +182,7 @@ def _most_bits(size: int, formats: Formats) -> int:
     widths = change << size_of("width_address_bits", formats)
     fields = sum(bits for _, bits, _, _ in packed_fields(formats))
     words = formats.carried_channels * (2 + NUM_DIFFERENCES * formats.word_width)
-    return size * (3 + NUM_RAW + widths + fields + words)
+    return size * (3 + NUM_RAW + widths + fields + words + SETUP_WORD_BITS)
 
 
 def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
@@ -241,7 +247,11 @@ def error_budgets(formats: Formats, error: float, state: ShadeState | None = Non
 
 
 def pack_primitives(
-    primitives: Primitives, formats: Formats, error: float = PACK_ERROR, state: ShadeState | None = None
+    primitives: Primitives,
+    formats: Formats,
+    error: float = PACK_ERROR,
+    state: ShadeState | None = None,
+    aligned: np.ndarray | None = None,
 ) -> Packed:
     """
     Pack primitives for the line.
@@ -255,6 +265,8 @@ def pack_primitives(
       Grey levels that shorter words may add to the error at a pixel; 0: edges and words stay as they are.
     state : ShadeState, optional
       Of the shade unit, for formats that have it.
+    aligned : (n,) bool, optional
+      Packets that begin with a whole word.
 
     Returns
     -------
@@ -291,6 +303,7 @@ def pack_primitives(
         primitives.words,
         needs.widths(formats),
         needs.count,
+        np.zeros(size, np.bool_) if aligned is None else aligned,
     )
     layout = _Layout(
         np.array([bits for _, bits, _, _ in packed_fields(formats)]),

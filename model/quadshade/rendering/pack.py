@@ -35,7 +35,7 @@ class PackedPicture:
 
 
 def pack_picture(
-    settings: RenderSettings, pack_error: float, reports: Reports | None = None
+    settings: RenderSettings, pack_error: float, reports: Reports | None = None, vertices: bool = False
 ) -> PackedPicture:
     """
     Pack what :func:`quadshade.rendering.draw.render_picture` draws.
@@ -47,6 +47,8 @@ def pack_picture(
     pack_error : float
       Grey levels that shorter words may add.
     reports : Reports, optional
+    vertices : bool
+      As for :func:`quadshade.packing.frame_file.pack_frame`.
 
     Returns
     -------
@@ -67,6 +69,7 @@ def pack_picture(
         shaded.formats,
         scene.ground,
         parse_pack_error(pack_error),
+        vertices=vertices,
         **settings.setup.arguments(),
     )
     size = frame.line_bytes() / max(1, frame.triangles)

@@ -65,9 +65,11 @@ def replay_on_board(
     Raises
     ------
     QuadshadeError
-      A malformed file, a board with other generics, or one that shows what it should not.
+      A malformed file, one with vertices, a board with other generics, or one that shows
+      what it should not.
     """
     frame = read_frame_file(path)
+    frame.check_sendable()
     size = (frame.width, frame.height)
     settings = None
     if port.is_simulated:

@@ -249,6 +249,13 @@ def round_words(
 
 
 @njit(cache=True, error_model="numpy")
+def largest_error(corners: Floats, count: int, off: Floats) -> float:
+    """Most that words off by ``off`` (6,) units are off at a pixel of a region, in last places."""
+    least, greatest = _extremes(corners, count, off)
+    return max(abs(off[0] + least), abs(off[0] + greatest)) * (1.0 + 2.0**-20) + SLACK
+
+
+@njit(cache=True, error_model="numpy")
 def reach(corners: Floats, count: int) -> tuple[float, float]:
     """Largest m and N of a region."""
     most = corners[0, 1]

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of ``vertex_unpacker`` against their model: every operation, on corners and at random."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cocotb
+
+from cocotb_tests.support.bench import Bench
+from cocotb_tests.support.simulation import simulate
+from quadshade.contract.vertex_program import OPERATIONS, WIDTH
+from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli
+
+
+@dataclass(frozen=True)
+class Config:
+    """``vertex_alu`` has no generics."""
+
+
+def test_vertex_alu() -> None:
+    simulate("vertex_alu", Config())
+
+
+async def operate(bench: Bench, name: str, operand: int, steps: int, line: int = 0) -> None:
+    """Load an operation and take its steps, with pauses; ``line`` are the bits that come, first lowest."""
+    dut = bench.dut
+    dut.operation.value = OPERATIONS.index(name)
+    dut.operand.value = operand % (1 << WIDTH)
+    dut.load.value = 1
+    await bench.edge()
+    dut.load.value = 0
+    while steps:
+        moves = bench.chance(0.9)
+        dut.step.value = int(moves)
+        dut.line_bit.value = line & 1
+        await bench.edge()
+        steps, line = steps - moves, line >> moves
+    dut.step.value = 0
+
+
+def word(bench: Bench) -> int:
+    return cut(bench.bits(WIDTH), WIDTH)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def operations(dut: Any) -> None:
+    bench = Bench(dut, Config, "operations")
+    await bench.start("operation", "load", "operand", "step", "line_bit", reset=False)
+    for _ in range(160):
+        for name in ("add", "sub", "muli", "mulf", "div", "shl", "shr", "get", "ones", "fold"):
+            before, operand, shifter = word(bench), word(bench), word(bench)
+            count = bench.draw.choice({"muli": (16, 18, 20, 22), "mulf": (36,)}.get(name, (1, 2, 7, 15)))
+            line, steps = bench.draw.getrandbits(16), count
+            wanted = before, shifter
+            if name == "add":
+                steps, wanted = 1, (cut(before + operand, WIDTH), shifter)
+            elif name == "sub":
+                steps, wanted = 1, (cut(before - operand, WIDTH), shifter)
+            elif name == "muli":
+                steps, wanted = count // 2, (muli(before, operand, shifter, count), None)
+            elif name == "mulf":
+                steps, wanted = count // 2, (mulf(before, operand, shifter, count), None)
+            elif name == "div":
+                wanted = div(before, operand, shifter, count)
+            elif name == "shl":
+                wanted = cut((before << count) % (1 << GUARD), GUARD), shifter
+            elif name == "shr":
+                wanted = before >> count, shifter
+            elif name == "get":
+                came = sum((line >> index & 1) << count - 1 - index for index in range(count))
+                wanted = cut(((before << count) + came) % (1 << GUARD), GUARD), shifter
+            elif name == "ones":
+                wanted = count, shifter
+            else:
+                steps, wanted = 1, (fold(before), shifter)
+            await operate(bench, "ldq", shifter, 0)
+            await operate(bench, "ld", before, 1)
+            await operate(bench, name, operand, steps, line)
+            await bench.edge()
+            inputs = (name, count, before, operand, shifter)
+            acc = cut(int(dut.acc.value), GUARD)
+            bench.check(name, acc, wanted[0], None, inputs)
+            bench.check("zero", int(dut.is_zero.value), int(cut(acc, WIDTH) == 0), None, inputs)
+            if wanted[1] is not None:
+                bench.check("shift register", cut(int(dut.shifter.value), WIDTH), wanted[1], None, inputs)
+    bench.finish(at_least=4000)

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit that unpacks vertices against its model: real triangles, runs of packed words, and nonsense."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import cocotb
+import numpy as np
+import pytest
+
+from cocotb_tests.support.bench import SPEEDS, Bench, StreamSink, StreamSource
+from cocotb_tests.support.resets import reset_amid
+from cocotb_tests.support.simulation import identifier, simulate
+from quadshade.contract.formats import Formats
+from quadshade.contract.triangles import ScreenTriangles
+from quadshade.golden.link.vertex_unpacker import VertexUnpacker
+from quadshade.packing.pack_vertices import choose_vertices
+from quadshade.setup.triangle_setup import setup_triangles
+
+
+@dataclass(frozen=True)
+class Config:
+    """Generics of ``vertex_unpacker``."""
+
+    num_channels: int = 3
+    max_order: int = 2
+    with_depth: int = 1
+    word_width: int = 32
+    frac_bits: int = 22
+    depth_bits: int = 16
+    subpixel_bits: int = 8
+    coord_bits: int = 12
+
+    @property
+    def formats(self) -> Formats:
+        """The formats with these generics."""
+        return Formats(**asdict(self))
+
+
+QUIET = 3000
+"""Cycles without a word after which none will come: more than a packet's ratios and products take."""
+
+CONFIGS = [
+    Config(),
+    Config(
+        num_channels=1, max_order=1, with_depth=0, depth_bits=1, word_width=24, frac_bits=12, coord_bits=9
+    ),
+    Config(num_channels=4, subpixel_bits=5, coord_bits=10, depth_bits=12),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=identifier)
+def test_vertex_unpacker(config: Config) -> None:
+    simulate("vertex_unpacker", config)
+
+
+def strip(bench: Bench, count: int) -> ScreenTriangles:
+    """Triangles side by side, small and large, of any orders; some of them neighbours of others."""
+    formats, rng = bench.config.formats, bench.rng
+    pixel, size = 1 << formats.subpixel_bits, 200
+    channels, top = formats.num_channels, 2.0**formats.value_bits - 1
+    places = np.rint(rng.uniform(8, size - 8, (count + 2, 2)) * pixel).astype(np.int64)
+    places[1::3, 1] = places[::3, 1][: len(places[1::3])]
+    corners = np.arange(count)[:, None] + np.arange(3)
+    corners[rng.random(count) < 0.3] = rng.integers(0, count + 2, 3)
+    colours = rng.uniform(0.2, 0.8, (count + 2, channels)) * top
+    of = np.swapaxes(colours[corners], 1, 2)
+    middles = (of[:, :, (0, 0, 1)] + of[:, :, (1, 2, 2)]) / 2 + rng.uniform(-0.01, 0.01) * top
+    depth = rng.uniform(0, 2.0**formats.depth_bits - 1, count + 2)
+    orders = np.minimum(rng.integers(1, 3, (count, 1)).repeat(channels, axis=1), formats.max_order)
+    return ScreenTriangles(
+        size,
+        size,
+        places[corners],
+        np.concatenate([of, middles], axis=2),
+        orders,
+        depth[corners] if formats.with_depth else None,
+        tuple(f"c{index}" for index in range(channels)),
+    )
+
+
+def packets(bench: Bench, count: int, runs: int = 0) -> tuple[np.ndarray, list[int], VertexUnpacker]:
+    """Words, some of them in runs of packed ones; the set-up words that come; the model after them."""
+    formats = bench.config.formats
+    triangles = strip(bench, count)
+    chosen = choose_vertices(setup_triangles(triangles, formats, limit=None), triangles, formats, 0.25)
+    assert chosen is not None and chosen.sent.any()
+    chosen.sent[bench.draw.sample(range(len(chosen.sent)), runs)] = False
+    ends = np.cumsum([bench.draw.randint(1, 4) for _ in range(len(chosen.sent))])
+    words = chosen.words(np.array([bench.bits(32) | 1 for _ in range(ends[-1])], np.uint32), ends)
+    model = VertexUnpacker(formats)
+    model.plain = Echo()
+    expected = [int(word) for _, _, given in model.packets(words) for word in given]
+    return words, expected, model
+
+
+class Echo:
+    """Stands for the packed words' unpacker: what goes in comes out, but for zeros."""
+
+    within = False
+
+    def feed(self, words: np.ndarray) -> np.ndarray:
+        return np.asarray(words, np.uint32)[np.asarray(words) != 0]
+
+    def reset(self) -> None:
+        """Nothing is kept."""
+
+
+async def unpack(
+    bench: Bench, words: np.ndarray, expected: list[int], source: str, sink: str, what: object = None
+) -> list[int]:
+    """Send words; compare the set-up words that come until none has for a while; in which cycles they do."""
+    dut = bench.dut
+    offered = StreamSource(
+        dut.line_valid,
+        dut.line_ready,
+        [dut.line_data],
+        [(int(word),) for word in words],
+        SPEEDS[source](bench.draw),
+    )
+    taken = StreamSink(bench, dut.setup_valid, dut.setup_ready, [dut.setup_data], SPEEDS[sink](bench.draw))
+    echoes: list[int] = []
+    quiet, seen = 0, 0
+    while quiet < QUIET:
+        # The other unpacker: a word in, the same out, later; nothing comes of zeros.
+        room = len(echoes) < 2 and bench.draw.random() < 0.7
+        dut.packed_ready.value = int(room)
+        dut.unpacked_valid.value = int(bool(echoes))
+        dut.unpacked_data.value = echoes[0] if echoes else 0
+        dut.unpacking.value = int(bool(echoes))
+        offered.drive()
+        taken.drive()
+        await bench.edge()
+        if echoes and dut.unpacked_ready.value:
+            echoes.pop(0)
+        if room and dut.packed_valid.value and dut.packed_data.value:
+            echoes.append(int(dut.packed_data.value))
+        offered.sample(bench.cycle)
+        taken.sample(bench.cycle)
+        for (word,), wanted in zip(taken.words[seen:], expected[seen:], strict=False):
+            bench.check("set-up word", word, wanted, seen, what)
+        quiet = quiet + 1 if offered.empty and len(taken.words) == seen else 0
+        seen = len(taken.words)
+    bench.check("number of set-up words", seen, len(expected), None, what)
+    return taken.taken_at
+
+
+INPUTS = (
+    *("line_valid", "line_data", "packed_ready", "unpacking"),
+    *("unpacked_valid", "unpacked_data", "setup_ready"),
+)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def triangles(dut: Any, source: str, sink: str) -> None:
+    bench = Bench(dut, Config, f"triangles {source} {sink}")
+    await bench.start(*INPUTS)
+    words, expected, _ = packets(bench, 4, runs=1)
+    await unpack(bench, words, expected, source, sink)
+    bench.check("busy at the end", int(dut.busy.value), 0)
+    bench.finish(at_least=30)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def clocks(dut: Any) -> None:
+    """As many cycles as the model counts, where nothing waits."""
+    bench = Bench(dut, Config, "clocks")
+    await bench.start(*INPUTS)
+    words, expected, model = packets(bench, 3)
+    begin = bench.cycle
+    taken_at = await unpack(bench, words, expected, "full_speed", "full_speed")
+    dut._log.info("%d cycles for %d words, %d set-up words", model.clocks, len(words), len(expected))
+    # But for words of the core that wait for the one before, and the end of the program behind the last one.
+    behind = begin + model.clocks - taken_at[-1]
+    bench.check("cycles, within a hundredth", 100 * abs(behind) < model.clocks, True, None, behind)
+    bench.finish(at_least=2)
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def junk(dut: Any) -> None:
+    """Words that mean nothing end each packet all the same, with the model's words; zeros do with none."""
+    bench = Bench(dut, Config, "junk")
+    await bench.start(*INPUTS)
+    parameters, _, _ = packets(bench, 1)
+    for kind in range(3):
+        count = 14
+        words = np.array([bench.bits(32) for _ in range(count)], np.uint32)
+        words &= np.array((0xFFFFFFFF, 0x11111111, 0)[kind], np.uint32)
+        # Packets of triangles: parameters and runs would be rare guesses.
+        words = np.concatenate([parameters[:2], words])
+        model = VertexUnpacker(bench.config.formats)
+        model.plain = Echo()
+        given = [int(word) for _, _, some in model.packets(words) for word in some]
+        await unpack(bench, words, given + model.begun, "full_speed", "full_speed", kind)
+        bench.check("busy", bool(dut.busy.value), model.within)
+        await bench.reset()
+    words, expected, _ = packets(bench, 2)
+    await unpack(bench, words, expected, "full_speed", "full_speed", "after junk")
+    bench.finish(at_least=10)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def resets(dut: Any) -> None:
+    """A reset at every stage of a packet: parameters and all that was begun are forgotten."""
+    bench = Bench(dut, Config, "resets")
+    await bench.start(*INPUTS)
+    words, expected, _ = packets(bench, 2, runs=1)
+
+    async def work() -> None:
+        await unpack(bench, words, expected, "full_speed", "full_speed")
+
+    events = (("line_valid", "line_ready"), ("setup_valid", "setup_ready"), ("packed_valid", "packed_ready"))
+    await reset_amid(bench, work, events, rounds=3, quiet=("setup_valid",))
+    bench.finish(at_least=10)
+
+
+def test_configurations_are_the_units_generics() -> None:
+    assert {field.name for field in fields(Config)} < set(Formats().generics())

@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+The text of ``vertex_unpacker``'s program; ``vertex_program.py`` says what its lines mean, and assembles it.
+
+It decodes a packet, sorts the corners, sets up the edges and puts the fields out; then come the ratios, their
+products, and for each channel its differences.
+"""
+
+from __future__ import annotations
+
+_DECODE = """
+main:
+    start
+    ld #0; get #1; jz triangle
+    ld #0; get #1; jz parameters
+    ld #0; get #RUN_BITS; raw
+    jmp main
+parameters:
+    ldx #0; ldp #@k_place
+parameter:
+    ld #0; get #PARAMETER_BITS; st p+0; loop parameter, len_parameters
+    ld #1; shl shift_colour; shl #RATIO_FRAC + SAMPLE_FRAC - 1; st half_colour; ld #1; shl shift_depth
+    shl #RATIO_FRAC + SAMPLE_FRAC - frac_bits + depth_frac_bits * with_depth; shr #1; st half_depth
+    ld #1; shl #RATIO_FRAC + 4; st offset; ld #0; st next_vertex; st v0; st v1; st v2; st m0; st m1
+    st m2; ldx #0; ld #0; st t
+clear:
+    ldp t; ld #0; st p+0; st p+1; st p+2; st p+3; st p+4; st p+5; st p+6; st p+7
+    ld t; add #8; st t; add #0 - SCRATCH_AT; jn clear
+    ld #MIDDLES_AT; st next_middle; jmp main
+triangle:
+    ldx #0; ones; st trim_top; ones; st trim_bottom; ld #0; get #1; st quadratic; ld #max_order - 2
+    jnn corners
+    ld #0; st quadratic
+corners:
+    ld #0; get #2; jz drop_first
+    add #0 - 1; jz drop_second
+    add #0 - 1; jz drop_third
+    ld v2; st pa; st pb; st px; call point; st v0; st pa; st pb; st px; call point; st v1; ld quadratic
+    jz own_third
+    ld v0; st pa; ld v1; st pb; call middle; st m0
+own_third:
+    ld v1; st pa; st pb; st px; jmp third
+drop_first:
+    ld v0; st px; ld v1; st v0; ld v2; st v1; ld m2; st m0; jmp shared
+drop_second:
+    ld v1; st px; ld v2; st v1; ld m1; st m0; jmp shared
+drop_third:
+    ld v2; st px
+shared:
+    ld v0; st pa; ld v1; st pb
+third:
+    call point; st v2; ld quadratic; jz sort
+    ld v0; st pa; ld v2; st pb; call middle; st m1; ld v1; st pa; call middle; st m2; jmp sort
+point:
+    ld #0; get #1; jnz new_point
+    get #6; shl #3; ret
+new_point:
+    ldx #0; ld k_place; st k; call residual; call keep; ldx #1; call residual; call keep; ld #0; st e
+    ld k_colour; st k; ldx #2
+point_colour:
+    call residual; add e; st e; call keep; loop point_colour, 2 + num_channels
+    ld #with_depth; jz point_whole
+    ld k_depth; st k; call residual; call keep
+point_whole:
+    ldx #0; ld next_vertex; st slot; add #VERTEX_WORDS; st next_vertex; add #0 - MIDDLES_AT
+    jn point_kept
+    st next_vertex
+point_kept:
+    ld slot; ret
+keep:
+    st t; ldp pa; ld p+0; ldp pb; add p+0; ldp px; sub p+0; add t; ldp next_vertex; st p+0; ret
+residual:
+    ones; add #0 - LONGEST_PREFIX; jz long_residual
+    add #LONGEST_PREFIX; get k; fold; ret
+long_residual:
+    get #LONG_BITS; fold; ret
+middle:
+    ld #0; get #1; jnz new_middle
+    get #6; shl #2; add #MIDDLES_AT; ret
+new_middle:
+    ldx #0; ld #0; st e; ld k_middle; st k
+middle_colour:
+    call residual; add e; st e; ldp pa; ld p+2; ldp pb; add p+2; shr #1; add e; ldp next_middle; st p+0
+    loop middle_colour, num_channels
+    ldx #0; ld next_middle; st slot; add #MIDDLE_WORDS; st next_middle; add #0 - SCRATCH_AT
+    jn middle_kept
+    add #MIDDLES_AT; st next_middle
+middle_kept:
+    ld slot; ret
+"""
+
+_EDGES = """
+sort:
+    ldp v1; ld p+1; ldp v0; sub p+1; jnn sorted_first
+    call swap_first
+sorted_first:
+    ldp v2; ld p+1; ldp v1; sub p+1; jnn sorted_second
+    call swap_second
+sorted_second:
+    ldp v1; ld p+1; ldp v0; sub p+1; jnn sorted
+    call swap_first
+sorted:
+    ldp v0; ld p+0; st x1; ld p+1; st y1; ldp v1; ld p+0; st xm; sub x1; st x2; ld p+1; st ym; sub y1
+    st y2; ldp v2; ld p+0; st xb; sub x1; st x3; ld p+1; st yb; sub y1; st y3; ld y1; sub ym; st ny2
+    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; call scanline; add trim_top; st y
+    st from; ld ym; call scanline; st knee; ld yb; call scanline; sub trim_bottom; st bottom; sub y
+    st rows; st rows_first; ld #0; st mirror; st has_second; st rows_second; ld y; sub knee
+    jnn lower_only
+    ld knee; sub bottom; jnn upper_only
+    ld #1; st has_second; ld area; jnn both
+    ld #1; st mirror
+both:
+    call take_long; ldp #@major; call edge; ld knee; sub y; st rows; st rows_first; call take_upper
+    ldp #@minor; call edge; ld bottom; sub knee; st rows; st rows_second; ld knee; st from
+    call take_lower; ldp #@second; call edge; jmp header
+lower_only:
+    call take_lower; jmp one_side
+upper_only:
+    call take_upper
+one_side:
+    ld area; jn long_minor
+    ldp #@minor; call edge; call take_long; ldp #@major; call edge; jmp header
+long_minor:
+    ldp #@major; call edge; call take_long; ldp #@minor; call edge
+header:
+    ld has_second; put #1; ld mirror; put #1; ld #0; put #1; ld quadratic; add #1; st t
+order:
+    ld t; put #2; loop order, num_channels
+    ldx #0; ld #with_depth; jz places
+    put #2
+places:
+    ld y; put #coord_bits; ld rows_first; add #0 - 2; put #column_bits; ld rows_second; add #0 - 2
+    put #column_bits; ldp #@major; call put_edge; ldp #@minor; call put_edge; align
+    ld has_second; jz colours
+    ldp #@second; call put_edge; align
+    jmp colours
+swap_first:
+    ld v0; st t; ld v1; st v0; ld t; st v1; ld m1; st t; ld m2; st m1; ld t; st m2; ret
+swap_second:
+    ld v1; st t; ld v2; st v1; ld t; st v2; ld m0; st t; ld m1; st m0; ld t; st m1; ret
+scanline:
+    st t; add t; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; ret
+take_long:
+    ld x1; st xa; ld y1; st ya; ld x3; st dx; ld y3; st dy; ret
+take_upper:
+    ld x1; st xa; ld y1; st ya; ld x2; st dx; ld y2; st dy; ret
+take_lower:
+    ld xm; st xa; ld ym; st ya; ld xb; sub xm; st dx; ld yb; sub ym; st dy; ret
+edge:
+    ld from; add from; add #1; shl #subpixel_bits; sub ya; sub ya; st d; ld dy; add dy; st t; ld dy
+    shl #subpixel_bits; add #0 - 1; ldq xa; muli t, 22; ldq d; muli dx, 20; shr #subpixel_bits + 1
+    st m; ld mirror; jz straight
+    ld dy; sub m; add #0 - 1; st m; ld #0; sub dx; st dx
+straight:
+    ld dy; shl #column_bits; st wide; add wide; st double; ld wide; add m; ldq #0
+    div double, 1 + column_bits; jnn whole; add double
+whole:
+    shr #1 + column_bits; st rest; stq t; ld t; add #0 - 2 ** column_bits
+    st p+0; ld dx; jz flat
+    ld rows; add #0 - 1; jz flat
+    ld wide; add dx; ldq #0; div double, 1 + column_bits; jnn whole_step; add double
+whole_step:
+    shr #1 + column_bits; st p+3; sub dy; st p+4
+    add rest; st p+1; stq t; ld t; add #0 - 2 ** column_bits; st p+2; ret
+flat:
+    ld #0 - 1; st p+1; st p+4; ld #0; st p+2; st p+3; ret
+put_edge:
+    ld p+0; put #column_bits; ld p+1; put #error_bits; ld p+2; put #column_bits; ld p+3; put #edge_bits
+    ld p+4; put #error_bits; ret
+"""
+
+_RATIOS = """
+colours:
+    ld area; jnn positive
+    call swap_second; ld x2; st t; ld x3; st x2; ld t; st x3; ld y2; st t; ld y3; st y2; ld t; st y3
+    ld #0; sub area; st area
+positive:
+    ld #0; sub x3; st nx3; ld #0; sub y2; st ny2; st qy2; ld y3; st qy3; ld area; add area; st double
+    shl #5; st wide; ld major; st column; ld major_step; st step; ld mirror; jz pixel
+    ld #0 - 1; sub column; st column; ld #0; sub step; st step; ld #0; sub y3; st qy3; ld y2; st qy2
+pixel:
+    ld column; add column; add #1; shl #subpixel_bits; sub x1; sub x1; st right; ld y; add y; add #1
+    shl #subpixel_bits; sub y1; sub y1; st down; ld wide; shr #1; ldq right; muli y3, 20; ldq down
+    muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t; sub offset; st u; ld wide; shr #1
+    ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t
+    sub offset; st v; ld nx3; ldq step; muli y3, 16; call ratio; st pu; ld x2; ldq step; muli ny2, 16
+    call ratio; st pv; ld qy3; call ratio; st qu; ld qy2; call ratio; st qv; ld quadratic; jnz products
+    jmp channels
+ratio:
+    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; ret
+"""
+
+PRODUCTS = (
+    *(("uu", "u", "u"), ("vv", "v", "v"), ("uv", "u", "v")),
+    *(("p_uu", "pu", "pu"), ("p_vv", "pv", "pv"), ("p_uv", "pu", "pv")),
+    *(("q_uu", "qu", "qu"), ("q_vv", "qv", "qv"), ("q_uv", "qu", "qv")),
+)
+"""Squares and products of ratios: of the first pixel's, of a row step's, of a column step's."""
+
+SUMS = (
+    ("r_uu", (("twice_u", "pu"),), "p_uu", "add"),
+    ("r_vv", (("twice_v", "pv"),), "p_vv", "add"),
+    ("r_uv", (("u", "pv"), ("v", "pu")), "p_uv", "add"),
+    ("c_uu", (("twice_u", "qu"),), "q_uu", "sub"),
+    ("c_vv", (("twice_v", "qv"),), "q_vv", "sub"),
+    ("c_uv", (("u", "qv"), ("v", "qu")), "q_uv", "sub"),
+    ("x_uu", (("twice_pu", "qu"),), None, ""),
+    ("x_vv", (("twice_pv", "qv"),), None, ""),
+    ("x_uv", (("pu", "qv"), ("pv", "qu")), None, ""),
+)
+"""Sums of products, and one product added or subtracted: of d_row, d_col and dd_mixed."""
+
+TERMS = (
+    (("uu", "a"), ("vv", "b"), ("uv", "c"), ("u", "d"), ("v", "e")),
+    (("r_uu", "a"), ("r_vv", "b"), ("r_uv", "c"), ("pu", "d"), ("pv", "e")),
+    (("c_uu", "a"), ("c_vv", "b"), ("c_uv", "c"), ("qu", "d"), ("qv", "e")),
+    (("p_uu", "a2"), ("p_vv", "b2"), ("p_uv", "c2")),
+    (("x_uu", "a"), ("x_vv", "b"), ("x_uv", "c")),
+    (("q_uu", "a2"), ("q_vv", "b2"), ("q_uv", "c2")),
+)
+"""Differences in their order, each a sum of ratios times coefficients of the unit triangle's quadratic."""
+
+
+def _product(target: str, factors: tuple[tuple[str, str], ...]) -> list[str]:
+    lines = []
+    for index, (first, second) in enumerate(factors):
+        lines += [f"ldq {second}", "ld #0", f"mulf {first}, 36", "shl #4"]
+        lines += ["add t"] if index else []
+        lines += [f"st {'t' if index < len(factors) - 1 else target}"]
+    return lines
+
+
+def _words(terms: tuple[tuple[tuple[str, str], ...], ...], shift: str, first: str) -> list[str]:
+    lines = []
+    for index, row in enumerate(terms):
+        lines += ["ld #0"] if index else ["ld i1", "shl #RATIO_FRAC", f"add {first}"]
+        for ratio, coefficient in row:
+            lines += [f"ldq {coefficient}", f"muli {ratio}, 18"]
+        lines += [f"shr {shift}", "word"]
+    return lines
+
+
+LINEAR_TERMS = tuple(row[3:] for row in TERMS[:3])
+
+_LINEAR = [
+    "ldp v0",
+    "ld p+2",
+    "st i1",
+    "ldp v1",
+    "ld p+2",
+    "sub i1",
+    "st d",
+    "ldp v2",
+    "ld p+2",
+    "sub i1",
+    "st e",
+]
+
+_COEFFICIENTS = """
+    ldp v0; ld p+2; st i1; ldp v1; ld p+2; st i2; ldp v2; ld p+2; st i3; ldp m0; ld p+0; st i12; ldp m1
+    ld p+0; st i13; ldp m2; ld p+0; sub i12; sub i13; add i1; shl #2; st c; add c; st c2; ld i1; add i2
+    sub i12; sub i12; shl #1; st a; add a; st a2; ld i1; add i3; sub i13; sub i13; shl #1; st b; add b
+    st b2; ld i2; sub i1; sub a; st d; ld i3; sub i1; sub b; st e
+"""
+
+
+def program_text() -> str:
+    """The whole program."""
+    lines = ["products:"]
+    for name in ("u", "v", "pu", "pv"):
+        lines += [f"ld {name}", f"add {name}", f"st twice_{name}"]
+    for target, first, second in PRODUCTS:
+        lines += _product(target, ((first, second),))
+    for target, factors, last, how in SUMS:
+        lines += _product(target, factors)
+        lines += [f"{how} {last}", f"st {target}"] if last else []
+    lines += ["channels:", "ldx #0", "channel:", "ld quadratic", "jnz quadratic_channel"]
+    lines += [*_LINEAR, *_words(LINEAR_TERMS, "shift_colour", "half_colour"), "jmp channel_done"]
+    lines += ["quadratic_channel:", *_COEFFICIENTS.split("\n")]
+    lines += [*_words(TERMS, "shift_colour", "half_colour"), "channel_done:", "loop channel, num_channels"]
+    lines += ["ld #with_depth", "jz main", *_LINEAR, *_words(LINEAR_TERMS, "shift_depth", "half_depth")]
+    lines += ["jmp main"]
+    return "\n".join([_DECODE, _EDGES, _RATIOS, *lines])

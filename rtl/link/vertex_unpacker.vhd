@@ -1,0 +1,399 @@
+-- SPDX-License-Identifier: Apache-2.0
+--
+-- Vertices of the line to set-up words of the core, by a program: sort, edges by a serial divider, and for
+-- every channel sums of ratios times what the vertices' colours say. Two bits of a factor, one of a quotient
+-- a clock; no multiplier. Runs of packed words within pass to word_unpacker and come back.
+--
+-- Model: vertex_unpacker.py.  Test: test_vertex_unpacker.py.
+-- Latency: about 4900 cycles of a packet with three quadratic channels and depth, 3100 of linear ones.
+-- Nothing in the program jumps back but counted loops: a packet ends whatever its bits say.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use work.quadshade_pkg.all;
+use work.vertex_pkg.all;
+
+entity vertex_unpacker is
+  generic (
+    num_channels : positive := default_formats.num_channels;
+    max_order : natural := default_formats.max_order;
+    with_depth : natural := default_formats.with_depth;
+    word_width : positive := default_formats.word_width;
+    frac_bits : natural := default_formats.frac_bits;
+    depth_bits : positive := default_formats.depth_bits;
+    subpixel_bits : natural := default_formats.subpixel_bits;
+    coord_bits : positive := default_formats.coord_bits
+  );
+  port (
+    clk : in std_ulogic;
+    reset : in std_ulogic;
+
+    line_valid : in std_ulogic;
+    line_ready : out std_ulogic;
+    line_data : in std_ulogic_vector(setup_word_bits - 1 downto 0);
+
+    -- To word_unpacker and from it.
+    packed_valid : out std_ulogic;
+    packed_ready : in std_ulogic;
+    packed_data : out std_ulogic_vector(setup_word_bits - 1 downto 0);
+    unpacking : in std_ulogic;
+    unpacked_valid : in std_ulogic;
+    unpacked_ready : out std_ulogic;
+    unpacked_data : in std_ulogic_vector(setup_word_bits - 1 downto 0);
+
+    setup_valid : out std_ulogic;
+    setup_ready : in std_ulogic;
+    setup_data : out std_ulogic_vector(setup_word_bits - 1 downto 0);
+
+    -- A packet is begun, or a set-up word waits, here or in word_unpacker.
+    busy : out std_ulogic
+  );
+end entity;
+
+architecture rtl of vertex_unpacker is
+
+  constant formats : formats_t := (
+    num_channels, max_order, with_depth, word_width, frac_bits, 4, depth_bits, subpixel_bits, coord_bits, 32,
+    1, 0, 1, 4 -- what is not a generic here does not matter
+  );
+  constant width : positive := vertex_width;
+  constant word_low : natural := ratio_frac + sample_frac - frac_bits;
+  constant address_bits : positive := 10;
+  -- An instruction's fields: count, operand, mode, operation, and whether the next one waits.
+  constant mode_low : natural := count_bits + operand_bits;
+  constant operation_low : natural := mode_low + mode_bits;
+  constant waits_at : natural := operation_low + operation_bits;
+
+  subtype number_t is u_signed(width - 1 downto 0);
+  subtype address_t is u_unsigned(address_bits - 1 downto 0);
+  subtype code_t is std_ulogic_vector(waits_at downto 0);
+  type program_t is array (0 to 2 ** address_bits - 1) of code_t;
+
+  function program_of(f : formats_t) return program_t is
+    constant instructions : natural_vector_t(0 to num_instructions - 1) := vertex_code(f);
+    variable result : program_t := (others => (others => '0'));
+  begin
+    for index in instructions'range loop
+      result(index) := std_ulogic_vector(to_unsigned(instructions(index), waits_at + 1));
+    end loop;
+    return result;
+  end function;
+
+  constant program : program_t := program_of(formats);
+
+  type memory_t is array (0 to memory_words - 1) of std_ulogic_vector(width - 1 downto 0);
+  signal memory : memory_t := (others => (others => '0'));
+  signal memory_write : std_ulogic;
+  signal memory_data : number_t;
+  signal read_address : address_t;
+  signal read_data : std_ulogic_vector(width - 1 downto 0);
+
+  -- The instruction that is executed, the one behind it and the one behind that.
+  signal code, code_next, code_read : code_t := (others => '0');
+  signal operation : u_unsigned(operation_bits - 1 downto 0);
+
+  type step_t is (jumping, jumped, fetching, loading, executing);
+  signal step : step_t := jumping;
+  signal pc : address_t := (others => '0');
+  type returns_t is array (0 to 3) of address_t;
+  signal returns : returns_t := (others => (others => '0'));
+  signal depth : u_unsigned(1 downto 0) := (others => '0');
+  signal place, pointer : address_t := (others => '0');
+  signal index : u_unsigned(2 downto 0) := (others => '0');
+  signal left : u_unsigned(count_bits - 1 downto 0) := (others => '0');
+  -- None of these, one of them at most.
+  signal no_step, last_step, known : std_ulogic := '0';
+  signal run : u_unsigned(run_bits - 1 downto 0) := (others => '0');
+
+  signal fetched, shifter : number_t;
+  signal acc : u_signed(width + 1 downto 0);
+  signal load, is_zero, is_negative : std_ulogic;
+
+  -- The operation moves on; it is at its end; the next instruction is fetched; a jump is taken.
+  signal moves, done, quick, ends, fetch, take_jump : std_ulogic;
+
+  -- A word of the line is shifted out of a register, the bit of line_index lowest.
+  signal line_word : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
+  signal line_index : u_unsigned(4 downto 0) := (others => '0');
+  signal line_held : std_ulogic := '0';
+  signal take, drop, passes, fills, give : std_ulogic;
+  signal filling, runs, full : std_ulogic := '0';
+  signal lane : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
+  signal lane_bit : u_unsigned(4 downto 0) := (others => '0');
+
+begin
+
+  assert num_channels <= 4 and max_order >= 1 and subpixel_bits >= 5 and coord_bits + subpixel_bits <= 20
+    and word_width <= 32 and word_low + word_width <= width and depth_bits <= 16
+    report "vertex_unpacker: generics out of range"
+    severity failure;
+
+  setup_valid <= full or unpacked_valid;
+  setup_data <= lane when full = '1' else unpacked_data;
+  unpacked_ready <= setup_ready and not full;
+
+  operation <= unsigned(code(waits_at - 1 downto operation_low));
+  busy <= '0' when step = executing and operation = do_start and full = '0' and line_held = '0' else '1';
+
+  numbers : entity work.vertex_alu
+    port map (
+      clk => clk, operation => operation, load => load, operand => fetched, step => moves,
+      line_bit => line_word(0), acc => acc, shifter => shifter, is_zero => is_zero
+    );
+
+  -- The operand of the next instruction is read while this one ends.
+  operands : process (all)
+    variable base : address_t;
+  begin
+    base := (others => '0');
+    if unsigned(code_next(operation_low - 1 downto mode_low)) = mode_indexed then
+      base := pointer + index;
+    end if;
+    read_address <= base + unsigned(code_next(count_bits + address_bits - 1 downto count_bits));
+    fetched <= signed(read_data);
+    if unsigned(code(operation_low - 1 downto mode_low)) = mode_immediate then
+      fetched <= resize(signed(code(mode_low - 1 downto count_bits)), width);
+    end if;
+  end process;
+
+  load <= '1' when step = loading else '0';
+  is_negative <= acc(width - 1);
+
+  -- What the operation needs of line and core, and whether this is its last cycle.
+  control : process (all)
+  begin
+    moves <= '0';
+    done <= '0';
+    take <= '0';
+    drop <= '0';
+    give <= '0';
+    passes <= '0';
+    fills <= '0';
+    if step /= executing or known = '0' then
+      null;
+    elsif operation = do_start then
+      take <= line_held;
+      done <= line_held and line_word(0);
+    elsif operation = do_raw then
+      if no_step = '0' then
+        -- Until it is known whether any word is left.
+        moves <= '1';
+      elsif filling = '1' then
+        fills <= '1';
+      elsif line_index /= 0 then
+        drop <= '1';
+      elsif runs = '1' then
+        passes <= line_held and not full;
+      else
+        -- What the run began must be over first.
+        fills <= unpacking;
+        done <= not unpacking;
+      end if;
+    elsif operation = do_get or operation = do_ones then
+      done <= line_held and last_step;
+      if no_step = '1' then
+        done <= '1';
+      else
+        take <= line_held;
+        moves <= line_held;
+        if operation = do_ones and line_word(0) = '0' then
+          moves <= '0';
+          done <= line_held;
+        end if;
+      end if;
+    elsif operation = do_put then
+      give <= not full;
+      moves <= not full;
+      done <= not full and last_step;
+    elsif operation = do_align and lane_bit /= 0 then
+      give <= not full;
+    elsif operation = do_align then
+      done <= '1';
+    elsif operation = do_word then
+      done <= not full;
+    else
+      moves <= '1';
+      done <= last_step;
+      if no_step = '1' and (operation = do_shl or operation = do_shr) then
+        moves <= '0';
+      end if;
+    end if;
+  end process;
+
+  take_jump <= '1' when operation = do_jmp or operation = do_call or operation = do_ret
+      or (operation = do_jz and is_zero = '1') or (operation = do_jnz and is_zero = '0')
+      or (operation = do_jn and is_negative = '1') or (operation = do_jnn and is_negative = '0')
+      or (operation = do_loop and index + 1 < unsigned(code(count_bits - 1 downto 0)))
+    else '0';
+
+  quick <= '1' when operation = do_ldq or operation = do_st or operation = do_stq
+      or operation = do_ldp or operation = do_ldx
+    else '0';
+  ends <= '1' when done = '1' or (step = loading and quick = '1') else '0';
+  fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0') else '0';
+
+  packed_valid <= fills or passes;
+  packed_data <= (others => '0') when fills = '1' else line_word;
+  line_ready <= not line_held;
+
+  advance : process (clk)
+    variable steps, rest : u_unsigned(count_bits - 1 downto 0);
+  begin
+    if rising_edge(clk) then
+      rest := left - (moves and not no_step);
+      steps := rest;
+      if step = loading then
+        step <= executing;
+        steps := (others => '0');
+        if operation = do_muli or operation = do_mulf then
+          steps := '0' & unsigned(code(count_bits - 1 downto 1));
+        elsif operation = do_div then
+          steps := unsigned(code(count_bits - 1 downto 0));
+        elsif operation = do_ones then
+          steps := to_unsigned(longest_prefix, count_bits);
+        elsif operation = do_raw then
+          steps := to_unsigned(1, count_bits);
+        elsif operation = do_shl or operation = do_shr or operation = do_get or operation = do_put then
+          steps := unsigned(fetched(count_bits - 1 downto 0));
+        elsif operation = do_ldp then
+          pointer <= unsigned(fetched(address_bits - 1 downto 0));
+        elsif operation = do_ldx then
+          index <= unsigned(fetched(2 downto 0));
+        end if;
+      end if;
+      left <= steps;
+      -- A number from the memory comes late: it is looked at a clock later.
+      known <= '1';
+      no_step <= '0';
+      last_step <= '0';
+      if step = loading then
+        if operation = do_shl or operation = do_shr or operation = do_get or operation = do_put then
+          known <= '0';
+        elsif operation = do_raw then
+          last_step <= '1';
+        elsif not (operation = do_muli or operation = do_mulf
+          or operation = do_div or operation = do_ones) then
+          no_step <= '1';
+          last_step <= '1';
+        end if;
+      elsif rest <= 1 then
+        last_step <= '1';
+        no_step <= not rest(0);
+      end if;
+
+      if fetch = '1' then
+        code <= code_next;
+        code_next <= code_read;
+        place <= read_address;
+        step <= loading;
+      elsif ends = '1' then
+        step <= fetching;
+        if done = '1' and take_jump = '1' then
+          step <= jumping;
+        end if;
+      elsif step = jumping then
+        step <= jumped;
+      elsif step = jumped then
+        code_next <= code_read;
+        step <= fetching;
+      end if;
+
+      if fetch = '1' or step = jumping or step = jumped then
+        code_read <= program(to_integer(pc));
+        pc <= pc + 1;
+      end if;
+      if done = '1' then
+        if take_jump = '1' then
+          pc <= unsigned(code(count_bits + address_bits - 1 downto count_bits));
+        end if;
+        if operation = do_call then
+          returns(to_integer(depth)) <= pc - 2;
+          depth <= depth + 1;
+        elsif operation = do_ret then
+          pc <= returns(to_integer(depth - 1));
+          depth <= depth - 1;
+        elsif operation = do_loop then
+          index <= index + 1;
+        end if;
+      end if;
+      if reset = '1' then
+        step <= jumping;
+        pc <= (others => '0');
+        depth <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+  line_words : process (clk)
+  begin
+    if rising_edge(clk) then
+      if line_held = '0' then
+        line_word <= line_data;
+        line_held <= line_valid;
+      elsif take = '1' then
+        line_word <= '0' & line_word(setup_word_bits - 1 downto 1);
+        line_index <= line_index + 1;
+        if line_index = setup_word_bits - 1 then
+          line_held <= '0';
+        end if;
+      elsif drop = '1' or (passes = '1' and packed_ready = '1') then
+        line_index <= (others => '0');
+        line_held <= '0';
+      end if;
+      -- A word of zeros that was begun is given whole.
+      filling <= fills and not packed_ready;
+      -- Known before the next word, which comes two clocks later at the earliest.
+      runs <= or std_ulogic_vector(run);
+      if step = loading then
+        run <= unsigned(acc(run_bits - 1 downto 0));
+      elsif passes = '1' and packed_ready = '1' then
+        run <= run - 1;
+      end if;
+      if reset = '1' then
+        line_index <= (others => '0');
+        line_held <= '0';
+        filling <= '0';
+      end if;
+    end if;
+  end process;
+
+  core_words : process (clk)
+  begin
+    if rising_edge(clk) then
+      if setup_ready = '1' then
+        full <= '0';
+      end if;
+      if give = '1' then
+        lane <= (moves and acc(0)) & lane(setup_word_bits - 1 downto 1);
+        lane_bit <= lane_bit + 1;
+        if lane_bit = setup_word_bits - 1 then
+          full <= '1';
+        end if;
+      elsif operation = do_word and done = '1' then
+        lane <= (others => '0');
+        lane(word_width - 1 downto 0) <= std_ulogic_vector(acc(word_low + word_width - 1 downto word_low));
+        full <= '1';
+      end if;
+      if reset = '1' then
+        full <= '0';
+        lane_bit <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+  memory_write <= '1' when step = loading and (operation = do_st or operation = do_stq) else '0';
+  memory_data <= shifter when operation = do_stq else acc(width - 1 downto 0);
+
+  store : process (clk)
+  begin
+    if rising_edge(clk) then
+      if memory_write = '1' then
+        memory(to_integer(place)) <= std_ulogic_vector(memory_data);
+      end if;
+      read_data <= memory(to_integer(read_address));
+    end if;
+  end process;
+
+end architecture;
