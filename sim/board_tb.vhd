@@ -43,7 +43,9 @@ entity board_tb is
     with_packed_read : natural := 1;
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
-    crc_cycles : positive := 1
+    crc_cycles : positive := 1;
+    clocks_per_pixel : positive := 4;
+    bank_words : positive := 16384
   );
 end entity;
 
@@ -84,7 +86,8 @@ begin
       with_edge_map => with_edge_map, single_port_memory => single_port_memory,
       with_video => with_video, buffers => buffers, colour_bits => colour_bits,
       with_packed_read => with_packed_read,
-      most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles
+      most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles,
+      clocks_per_pixel => clocks_per_pixel, bank_words => bank_words
     )
     port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);
 

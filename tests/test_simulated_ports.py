@@ -11,6 +11,7 @@ import pytest
 
 import quadshade
 from quadshade.board import Board, BoardSettings
+from quadshade.board.engines import GhdlEngine
 from quadshade.board.settings import board_settings
 from quadshade.choices import parse_ports, simulated_board
 from quadshade.errors import QuadshadeError
@@ -123,3 +124,12 @@ def test_wrong_boards_are_one_line(tmp_path: Path, words: tuple[str, ...], said:
     code, output = run("render", "cube:1", "-o", tmp_path / "a.png", *MODEL, *words)
     assert code == 2 and said in output, output
     assert len(output.strip().splitlines()) == 1 and not list(tmp_path.iterdir())
+
+
+def test_what_a_simulator_says_instead_of_bytes_ends_it() -> None:
+    engine = GhdlEngine(["echo", "board_tb:error: cannot find generic 'new'"])
+    try:
+        with pytest.raises(QuadshadeError, match="the simulation says: board_tb:error: cannot find"):
+            engine.take()
+    finally:
+        engine.close()

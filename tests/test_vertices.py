@@ -87,7 +87,7 @@ def scene(name: str, shading: str, size: int = 320) -> tuple[Primitives, ScreenT
 @pytest.mark.parametrize("error", [PACK_ERROR, 1 / 4])
 @pytest.mark.parametrize("formats", FORMATS, ids=range(len(FORMATS)))
 def test_what_is_unpacked_is_what_is_drawn(formats: Formats, error: float, seed: int) -> None:
-    triangles = random_triangles(formats, 300, seed)
+    triangles = random_triangles(formats, 150, seed)
     primitives = setup_triangles(triangles, formats)
     batch = pack_vertices(primitives, triangles, formats, error)
     expected = pack(batch.primitives, formats)
@@ -104,7 +104,7 @@ def test_what_is_unpacked_is_what_is_drawn(formats: Formats, error: float, seed:
 
 @pytest.mark.parametrize("formats", FORMATS, ids=range(len(FORMATS)))
 def test_edges_are_the_hosts_in_every_bit(formats: Formats, seed: int) -> None:
-    triangles = random_triangles(formats, 300, seed)
+    triangles = random_triangles(formats, 150, seed)
     primitives = setup_triangles(triangles, formats)
     batch = choose_vertices(primitives, triangles, formats, 1 / 4)
     assert batch is not None

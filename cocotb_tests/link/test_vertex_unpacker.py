@@ -47,7 +47,6 @@ CONFIGS = [
     Config(
         num_channels=1, max_order=1, with_depth=0, depth_bits=1, word_width=24, frac_bits=12, coord_bits=9
     ),
-    Config(num_channels=4, subpixel_bits=5, coord_bits=10, depth_bits=12),
 ]
 
 

@@ -267,7 +267,11 @@ class GhdlEngine(ProgramEngine):
         self._said = bytearray(rest)
         heard = b""
         for line in lines:
-            heard += bytes.fromhex(line.decode())
+            try:
+                heard += bytes.fromhex(line.decode())
+            except ValueError:
+                # GHDL's errors come here too.
+                raise QuadshadeError(f"the simulation says: {line.decode(errors='replace')}") from None
             self._asked = True
             self._quiet = 0 if line else self._quiet + 1
             self._answer()

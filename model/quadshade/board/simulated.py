@@ -92,6 +92,9 @@ class SimulatedBoard:
             self.problem = problem
             # A host that waits for an answer sees the line go.
             self._close()
+        except BaseException:
+            self._close()
+            raise
 
     def stop(self) -> None:
         """Let :meth:`run` return; may be called from a signal handler."""
