@@ -34,6 +34,7 @@ module pixel_packer_properties #(
 
   (* hierconn *) wire [3:0] \dut.place ;
   (* hierconn *) wire \dut.sends , \dut.full , \dut.running , \dut.step_done , \dut.is_zero , \dut.emits ;
+  (* hierconn *) wire \dut.asks , \dut.any_left ;
   (* hierconn *) wire [10:0] \dut.packed_bytes ;
   (* hierconn *) wire [9:0] \dut.left , \dut.run , \dut.step ;
   (* hierconn *) wire [3:0] \dut.word_left ;
@@ -161,6 +162,8 @@ module pixel_packer_properties #(
   // What makes it inductive.
   always @* begin
     assert (place <= again);
+    assert (\dut.asks == (place == fetch && left != 0));
+    if (place == judge || place == run_end || place == code) assert (\dut.any_left == (left != 0));
     if (place == again) assert (!sends);
     if (place == rest || place == again) assert (!full && bits == 0);
     if (place != rest && !sends) begin

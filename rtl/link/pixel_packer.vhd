@@ -97,6 +97,8 @@ architecture rtl of pixel_packer is
   -- Bytes still to be fetched; what the next one should be; the one in work, and what it is more than that of
   -- the pixel before, and than it should be.
   signal left : u_unsigned(count_bits - 1 downto 0) := (others => '0');
+  -- From a byte's second clock on: there are some left. asks: the place is fetch, and so it is.
+  signal any_left, asks : std_ulogic := '0';
   signal expected, current, difference, residual : byte_t := (others => '0');
   signal is_zero : std_ulogic := '0';
   -- The bytes before, the newest in 0, and by how much each was more than the one a pixel before it.
@@ -134,8 +136,7 @@ begin
   answer_bytes <= read_count(9 downto 0) when place = rest else packed_bytes(9 downto 0);
   data_valid <= byte_valid when place = rest else (full and sends);
   data <= byte_data when place = rest else shift;
-  byte_ready <= data_ready when place = rest else
-    '1' when place = fetch and left /= 0 else '0';
+  byte_ready <= data_ready when place = rest else asks;
 
   value <= values(last_byte);
   run_bit <= or (run and ('0' & step(count_bits - 1 downto 1)));
@@ -146,7 +147,7 @@ begin
     emits <= '0';
     bit_out <= '0';
     if full = '0' then
-      if place = fetch and left = 0 and running = '1' and run /= 0 then
+      if place = fetch and asks = '0' and running = '1' and run /= 0 then
         -- The bytes end with the run: how many they are is known.
         emits <= '1';
         bit_out <= '1';
@@ -173,6 +174,8 @@ begin
   begin
     if rising_edge(clk) then
       expected <= value + slopes(last_byte);
+      any_left <= or left;
+      asks <= '0';
       step_done <= '0';
       if run + 1 = step then
         step_done <= '1';
@@ -224,18 +227,21 @@ begin
           packed_bytes <= (others => '0');
           if read_valid = '1' and read_packed = '1' and area_ready = '1' then
             place <= fetch;
+            asks <= or read_count(count_bits - 1 downto 0);
           end if;
         elsif area_ready = '1' then
           sends <= '1';
           place <= fetch;
+          asks <= or read_count(count_bits - 1 downto 0);
           if packed_bytes >= read_count(count_bits - 1 downto 0) then
             sends <= '0';
             place <= rest;
+            asks <= '0';
           end if;
         end if;
       elsif place = fetch then
         current <= unsigned(byte_data);
-        if left = 0 then
+        if asks = '0' then
           if emits = '1' then
             run <= (others => '0');
           elsif full = '0' then
@@ -244,6 +250,8 @@ begin
         elsif byte_valid = '1' then
           left <= left - 1;
           place <= subtract;
+        else
+          asks <= '1';
         end if;
       elsif place = subtract then
         difference <= current - value;
@@ -282,6 +290,7 @@ begin
             step <= step(count_bits - 2 downto 0) & '0';
           end if;
           place <= fetch;
+          asks <= any_left;
         elsif emits = '1' then
           running <= '0';
           place <= run_end;
@@ -298,6 +307,7 @@ begin
           word_left <= word_left - 1;
           if word_left = 1 then
             place <= fetch;
+            asks <= any_left;
           end if;
         end if;
       elsif place = flush then
@@ -312,6 +322,7 @@ begin
       end if;
       if reset = '1' then
         place <= rest;
+        asks <= '0';
         sends <= '0';
         full <= '0';
         bits <= (others => '0');
