@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import cocotb
+import pytest
 
 from cocotb_tests.support.bench import Bench
-from cocotb_tests.support.simulation import simulate
+from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.vertex_program import OPERATIONS, WIDTH
 from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli
 
@@ -19,8 +20,9 @@ class Config:
     """``vertex_alu`` has no generics."""
 
 
-def test_vertex_alu() -> None:
-    simulate("vertex_alu", Config())
+@pytest.mark.parametrize("config", [Config()], ids=identifier)
+def test_vertex_alu(config: Config) -> None:
+    simulate("vertex_alu", config)
 
 
 async def operate(bench: Bench, name: str, operand: int, steps: int, line: int = 0) -> None:
