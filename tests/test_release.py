@@ -86,8 +86,8 @@ iverilog -g2005 -tnull -s raster_core raster_core.v || exit 1
 echo mapped > raster_core.cells
 """)
     yosys.chmod(0o755)
-    command = f"YOSYS={yosys} {FUSESOC} --cores-root {unpacked} run --target=synth_gowin quadshade::quadshade"
-    assert "\nmapped\n" in run(command, tmp_path)
+    command = ["env", f"YOSYS={yosys}", FUSESOC, "--cores-root", unpacked, "run", "--target=synth_gowin"]
+    assert "\nmapped\n" in run([*command, "quadshade::quadshade"], tmp_path)
     (folder,) = tmp_path.glob("build/*/synth_gowin")
     text = (folder / "commands").read_text()
     assert "synth_gowin -top raster_core -noiopads" in text and "keep_hierarchy 1 channel_lane*" in text

@@ -65,7 +65,7 @@ def test_a_port_may_name_a_board() -> None:
     for port, keywords, said in (
         ("sim:icebreaker", {"settings": BoardSettings()}, "has its own"),
         ("sim:4", {}, "is 4 boards"),
-        ("sim:moon", {}, "unknown board 'moon'; the boards are icebreaker"),
+        ("sim:moon", {}, "unknown board 'moon'; the boards are colorlight-i5, icebreaker"),
         ("sim:", {}, "sim:1 to sim:64"),
     ):
         with pytest.raises(QuadshadeError, match=said):
@@ -113,7 +113,7 @@ def test_boards_of_several_kinds_share_a_picture() -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--port", "sim:moon"), "unknown board 'moon'; the boards are icebreaker"),
+        (("--port", "sim:moon"), "unknown board 'moon'; the boards are colorlight-i5, icebreaker"),
         (("--port", "sim", "--port", "sim:moon"), "unknown board 'moon'"),
         (("--port", "sim:ulx3s-45f"), "no bitstream is built for ulx3s-45f"),
         (("--port", "sim:icebreaker", "--generic", "num_channels=3"), "the board's generics are its own"),
