@@ -22,7 +22,8 @@ def find_device(name: str) -> Device:
     """
     known = devices()
     if name not in known:
-        find_family(name.split("-")[0])
+        if "-" in name:
+            find_family(name.split("-")[0])
         raise QuadshadeError(f"unknown device {name!r}", f"the devices are {', '.join(known)}")
     return known[name]
 
