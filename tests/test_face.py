@@ -170,7 +170,8 @@ def test_a_function_is_a_reflectance() -> None:
 def test_every_option_is_a_keyword() -> None:
     keywords = set(inspect.signature(quadshade.render).parameters)
     options = {parameter.name for parameter in render_command.params}
-    assert options - {"output", "stats"} == keywords - {"reports"}
+    # --no-verify is verify's none, seen apart so that both together are refused.
+    assert options - {"output", "stats", "no_verify"} == keywords - {"reports"}
     documented = quadshade.render.__doc__.split("Returns")[0]
     assert all(name in documented for name in keywords)
 
