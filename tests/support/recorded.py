@@ -22,7 +22,7 @@ SUBJECTS = ("setup", "adapt")
 
 ADDITIONS = 1e-13
 """What another order of a processor's additions makes of a number, relative,"""
-FITTED = {"samples": 1e-6}
+FITTED = {"samples": 1e-7}
 """and of those that solve a system of equations, by name."""
 
 

@@ -95,8 +95,8 @@ VERTEX_OPTIONS: list[Decorator] = [
         "Accuracy",
         "--vertices",
         is_flag=True,
-        help="Pack corners and edge middles, which neighbours share: on a mesh of small triangles a third of "
-        "the bytes or fewer. No board takes them yet: for dump, and for your own design "
+        help="Pack corners and edge middles, which neighbours share, where that takes fewer bytes than the "
+        "packed fields. No board takes them yet: for dump, and for your own design "
         "(docs/reference/vertices.md).",
     )
 ]
