@@ -171,8 +171,8 @@ async def credits_are_told(dut: Any) -> None:
             await board.wait(60)
             freed += 1
         await board.quiet_for(60)
-        told_free = [int.from_bytes(frame.payload[2:4], "little") - begin for frame in board.answers[:1]]
-        bench.check("credits", (told_free, freed), ([quarter], quarter))
+        told_free = [int.from_bytes(frame.payload[2:4], "little") - begin for frame in board.answers]
+        bench.check("credits, told once", (told_free, freed), ([quarter], quarter))
         board.go["setup"] = repeat(True)
         board.answers = []
         await board.settle()
@@ -184,6 +184,40 @@ async def credits_are_told(dut: Any) -> None:
     answers = [(frame.opcode, frame.payload[2]) for frame in await board.settle()]
     bench.check("answers to RESET", answers, [(Opcode.RESET_ANSWER, bench.config.fifo_words)])
     bench.finish(at_least=3)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def credits_beside_an_answer(dut: Any) -> None:
+    """What becomes free before an answer's link state is told by it alone, what becomes free after by one ACK."""
+    bench = Bench(dut, Config, "credits_beside_an_answer")
+    pair = Pair(bench)
+    board = pair.board
+    await board.start()
+    for before, after in ((1, 0), (0, 1), (1, 1), (0, 0), (1, 1)):
+        board.go["setup"] = repeat(False)
+        await pair.send(Opcode.TRIANGLES, bytes(4 * 27))
+        (answer,) = await board.settle()
+        free = int.from_bytes(answer.payload[2:4], "little")
+        board.door = True
+        await pair.send(Opcode.HELLO)
+        await board.wait(60)
+        bench.check("an answer waits", board.at_door, True, inputs=(before, after))
+        expected = [(Opcode.HELLO_ANSWER, free + 11 * before)]
+        expected += [(Opcode.ACK, free + 11 * (before + after))] * after
+        for begun, freed in ((False, 11 * before), (True, 11 * after)):
+            if begun:
+                board.door, board.char_cycles = False, (40,)
+                await board.wait(120)
+            for _ in range(freed):
+                board.go["setup"] = chain([True], repeat(False))
+                await board.wait(8)
+            bench.check("nothing was answered meanwhile", board.answers, [], inputs=(before, after))
+        board.char_cycles = (0,)
+        got = [(frame.opcode, int.from_bytes(frame.payload[2:4], "little")) for frame in await board.settle()]
+        bench.check("answers, credits", got, expected, inputs=(before, after))
+        board.go["setup"] = repeat(True)
+        await board.settle()
+    bench.finish(at_least=25)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")

@@ -323,10 +323,10 @@ begin
       freed <= signed('0' & free) - signed('0' & free_told);
       if word_taken = '1' and word_index = 0 then
         free_told <= free;
-        freed <= (others => '0');
       end if;
-      -- Credits that became free meanwhile, in quarters: else a host that has none would wait.
-      if freed >= fifo_words / 4 then
+      -- Credits that became free meanwhile, in quarters, unless an answer is due or begun, which tells them:
+      -- else a host that has none would wait.
+      if freed >= fifo_words / 4 and chosen = "0000" and answer_ready = '1' then
         ack_due <= '1';
         ack_number <= std_ulogic_vector(unsigned(expected) - 1);
       end if;

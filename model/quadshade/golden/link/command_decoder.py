@@ -140,7 +140,6 @@ class CommandDecoder:
         while True:
             if self._sent is None:
                 self._sent = self._next_answer()
-                self._tell_credits(self.holding)
             if self._sent is not None and not self.holding:
                 answers += self.finish_answer()
             elif not self._step():
@@ -151,9 +150,11 @@ class CommandDecoder:
         """Whether an answer is begun."""
         return self._sent is not None
 
-    def _tell_credits(self, due: bool = True) -> None:
-        """Another ACK, as long as a quarter of the FIFO has become free since the last link state."""
-        if due and self.fifo.free - self._free_told >= self.fifo.num_words // 4:
+    def _tell_credits(self) -> None:
+        """An ACK with a quarter of the FIFO free since the last link state, unless another answer tells it."""
+        due = (self._sent, self._reply, self._nak, self._ack, self._result)
+        told = any(one is not None for one in due)
+        if not told and self.fifo.free - self._free_told >= self.fifo.num_words // 4:
             self._ack = (self.receiver.expected - 1) % SEQUENCES
 
     def _step(self) -> bool:
