@@ -49,6 +49,8 @@ entity board is
     with_packed_read : natural := 1;
     -- Words of a block of the device's memory, a bit wide: see block_ram.
     bank_words : positive := 16384;
+    -- vertex_unpacker, so that triangles take fewer bytes on the line.
+    with_vertices : natural := 0;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
     -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
@@ -82,7 +84,8 @@ architecture rtl of board is
     with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map
     + with_video * feature_display + (buffers - 1) * feature_two_buffers
     + boolean'pos(colour_bits = 6) * feature_colours_656 + boolean'pos(colour_bits = 4) * feature_colours_444
-    + with_packed_read * feature_packed_read;
+    + with_packed_read * feature_packed_read + with_vertices * feature_vertices
+    + single_buffer * feature_single_buffer;
 
   -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
   function phase_step_of(rate : positive; frequency : positive) return natural is
@@ -109,8 +112,9 @@ architecture rtl of board is
 
   signal link_reset : std_ulogic;
   signal core_reset, everything_idle : std_ulogic := '0';
-  signal packed_valid, packed_ready, unpacking, setup_valid, setup_ready, core_done : std_ulogic;
-  signal packed_data, setup_data : std_ulogic_vector(31 downto 0);
+  signal word_valid, word_ready, packed_valid, packed_ready, unpacked_valid, unpacked_ready : std_ulogic;
+  signal unpacking, placing, setup_valid, setup_ready, core_done : std_ulogic;
+  signal word_data, packed_data, unpacked_data, setup_data : std_ulogic_vector(31 downto 0);
 
   signal drawn_valid, drawn_ready, drawn_last, drawing_done, pixel_done, primitive_done : std_ulogic;
   signal drawn_x, drawn_y : u_unsigned(coord_bits - 1 downto 0);
@@ -182,7 +186,7 @@ begin
       core_reset => link_reset, core_idle => everything_idle,
       pixel_done => pixel_done, primitive_done => primitive_done,
       frame_seen => frame_seen, fault_seen => fault_seen,
-      setup_valid => packed_valid, setup_ready => packed_ready, setup_data => packed_data,
+      setup_valid => word_valid, setup_ready => word_ready, setup_data => word_data,
       state_valid => state_valid, state_ready => state_ready, state_address => state_address,
       state_data => state_data,
       clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
@@ -195,7 +199,7 @@ begin
       frame_crc_done => crc_done, frame_crc_value => crc_value
     );
 
-  drawing_done <= core_done and not unpacking;
+  drawing_done <= core_done and not unpacking and not placing;
 
   -- Registers, for the units are far apart. A command comes later than that after the one before it, and the
   -- link, which is reset a clock earlier, gives nothing then.
@@ -216,8 +220,36 @@ begin
     port map (
       clk => clk, reset => core_reset,
       packed_valid => packed_valid, packed_ready => packed_ready, packed_data => packed_data,
-      setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data, busy => unpacking
+      setup_valid => unpacked_valid, setup_ready => unpacked_ready, setup_data => unpacked_data,
+      busy => unpacking
     );
+
+  vertices_gen : if with_vertices = 1 generate
+    vertices : entity work.vertex_unpacker
+      generic map (
+        num_channels => num_channels, max_order => max_order, with_depth => with_depth,
+        word_width => word_width, frac_bits => frac_bits, depth_bits => depth_bits,
+        subpixel_bits => subpixel_bits, coord_bits => coord_bits
+      )
+      port map (
+        clk => clk, reset => core_reset,
+        line_valid => word_valid, line_ready => word_ready, line_data => word_data,
+        packed_valid => packed_valid, packed_ready => packed_ready, packed_data => packed_data,
+        unpacking => unpacking, unpacked_valid => unpacked_valid, unpacked_ready => unpacked_ready,
+        unpacked_data => unpacked_data,
+        setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data, busy => placing
+      );
+  end generate;
+
+  words_gen : if with_vertices = 0 generate
+    packed_valid <= word_valid;
+    word_ready <= packed_ready;
+    packed_data <= word_data;
+    setup_valid <= unpacked_valid;
+    unpacked_ready <= setup_ready;
+    setup_data <= unpacked_data;
+    placing <= '0';
+  end generate;
 
   core : entity work.render_core
     generic map (

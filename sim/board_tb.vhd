@@ -41,6 +41,7 @@ entity board_tb is
     buffers : positive := 1;
     colour_bits : positive := 8;
     with_packed_read : natural := 1;
+    with_vertices : natural := 0;
     most_counter_bits : positive := 32;
     single_buffer : natural := 0;
     crc_cycles : positive := 1;
@@ -85,7 +86,7 @@ begin
       fifo_words => fifo_words, screen_width => screen_width, screen_height => screen_height,
       with_edge_map => with_edge_map, single_port_memory => single_port_memory,
       with_video => with_video, buffers => buffers, colour_bits => colour_bits,
-      with_packed_read => with_packed_read,
+      with_packed_read => with_packed_read, with_vertices => with_vertices,
       most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles,
       clocks_per_pixel => clocks_per_pixel, bank_words => bank_words
     )

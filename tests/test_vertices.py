@@ -11,16 +11,21 @@ import pytest
 from click.testing import CliRunner
 
 from quadshade.board.board import Board
+from quadshade.board.pool import BoardPool
 from quadshade.board.settings import BoardSettings
+from quadshade.board.tiled_screen import TiledScreen
 from quadshade.choices import PACK_ERROR
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
+from quadshade.golden.board import BoardModel
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.golden.screen.plane_reader import COLOUR
 from quadshade.golden.screen.screen import Screen
+from quadshade.link.session import Session
+from quadshade.link.transport import MemoryTransport
 from quadshade.packing.frame_file import (
     decode_frame_file,
     encode_frame_file,
@@ -203,17 +208,30 @@ def test_pack_and_dump_of_vertices(packed_file: Path) -> None:
     assert screen.frame_crc(COLOUR) == frame.crc
 
 
-def test_no_board_draws_vertices(packed_file: Path) -> None:
+def test_boards_that_take_vertices_replay_them(packed_file: Path) -> None:
     code, said = run("replay", packed_file, "--port", "sim", "--engine", "model")
-    assert (code, said.count("\n")) == (2, 1)
-    assert "no board takes yet" in said
+    assert code == 0, said
     frame = read_frame_file(packed_file)
-    settings = BoardSettings(screen_width=64, screen_height=48)
+    plain, _ = pack_frame(scene("sphere:24", "quadratic", 64)[1], Formats())
+    for takes in (False, True):
+        board = BoardModel(64, 48, frame.formats, with_vertices=takes)
+        session = Session(MemoryTransport(board.feed))
+        session.connect()
+        plain.send(session)
+        assert session.frame_crc() == plain.crc
+        if takes:
+            frame.send(session)
+            assert session.frame_crc() == frame.crc
+        else:
+            with pytest.raises(QuadshadeError, match="does not take"):
+                frame.send(session)
+
+
+def test_tiles_of_vertices_are_packed_anew(packed_file: Path) -> None:
+    settings = BoardSettings(screen_width=40, screen_height=30)
     with Board("sim", engine="model", settings=settings) as board:
-        with pytest.raises(QuadshadeError, match="no board takes yet"):
-            board.replay(frame)
-        with pytest.raises(QuadshadeError, match="no board takes yet"):
-            frame.send(board.session)
+        screen = TiledScreen(BoardPool([board], print), 64, 48, print)
+        screen.replay(read_frame_file(packed_file))
 
 
 def test_vertices_of_a_shade_unit_are_refused_in_a_line(tmp_path: Path) -> None:
@@ -221,3 +239,24 @@ def test_vertices_of_a_shade_unit_are_refused_in_a_line(tmp_path: Path) -> None:
     code, said = run("pack", *scene, "--vertices", "-o", tmp_path / "x.qs")
     assert (code, said.count("\n")) == (2, 1)
     assert "with_shade is 1" in said and not (tmp_path / "x.qs").exists()
+
+
+def test_a_board_with_vertices_draws_the_same_picture_in_fewer_bytes() -> None:
+    _, triangles = scene("sphere:168", "quadratic", 96)
+    frame, _ = pack_frame(triangles, Formats(), vertices=True)
+    plain, _ = pack_frame(triangles, Formats())
+    sent, pictures = [], []
+    for with_vertices in (0, 1):
+        settings = BoardSettings(screen_width=96, screen_height=72, with_vertices=with_vertices)
+        with Board("sim", engine="model", settings=settings) as board:
+            board.draw(triangles)
+            pictures.append(board.read())
+            sent.append(board.statistics["bytes_sent"])
+            board.replay(plain)
+            if with_vertices:
+                board.replay(frame)
+            else:
+                with pytest.raises(QuadshadeError, match="does not take"):
+                    board.replay(frame)
+    assert sent[1] < sent[0] / 2
+    assert np.abs(pictures[0].astype(int) - pictures[1]).max() <= 1

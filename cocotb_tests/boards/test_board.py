@@ -27,7 +27,9 @@ from quadshade.golden.link.frame_receiver import Reach
 from quadshade.link.frames import Frame, FrameParser, enclosed
 from quadshade.link.planes import read_picture
 from quadshade.link.session import Session
-from quadshade.packing.pack import pack_primitives, unpack
+from quadshade.packing.frame_file import set_up_words
+from quadshade.packing.pack import pack_primitives
+from quadshade.packing.pack_vertices import pack_vertices
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.golden_stimuli import triangles_of
 
@@ -57,6 +59,7 @@ class Config:
     buffers: int = 1
     colour_bits: int = 8
     with_packed_read: int = 1
+    with_vertices: int = 0
 
     @property
     def formats(self) -> Formats:
@@ -79,6 +82,8 @@ class Config:
             self.buffers,
             self.colour_bits,
             bool(self.with_packed_read),
+            bool(self.with_vertices),
+            bool(self.single_buffer),
         )
 
     @property
@@ -114,7 +119,7 @@ CONFIGS = [
     # The step is rounded up.
     Config(num_channels=2, with_shade=1, coord_bits=6, with_edge_map=0, baud=15_005),
     Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
-    Config(coord_bits=6, buffers=2, colour_bits=4),
+    Config(coord_bits=6, buffers=2, colour_bits=4, with_vertices=1),
     Config(num_channels=1, with_depth=0, coord_bits=6, with_edge_map=0, buffers=2, colour_bits=6),
 ]
 
@@ -136,7 +141,10 @@ def scene_words(bench: Bench, count: int) -> np.ndarray:
     """(m,) uint32: triangles of every kind over each other, in packets."""
     config = bench.config
     triangles = triangles_of(config.formats, bench.rng, count, config.screen_height + 2)
-    return pack_primitives(setup_triangles(triangles, config.formats), config.formats).words
+    primitives = setup_triangles(triangles, config.formats)
+    if config.with_vertices:
+        return pack_vertices(primitives, triangles, config.formats).words
+    return pack_primitives(primitives, config.formats).words
 
 
 @cocotb.test(timeout_time=60, timeout_unit="ms")
@@ -165,7 +173,8 @@ async def scenes(dut: Any) -> None:
                     drawing.state(STATE_REGISTERS + offset, value)
             session.triangles(words)
             drawing.triangles(words.tolist())
-            pixels = draw_fast(unpack(words, bench.config.formats), bench.config.formats)
+            given = set_up_words(words, bench.config.formats, bool(bench.config.with_vertices))
+            pixels = draw_fast(given, bench.config.formats)
             drawn.update(pixels=len(pixels.x), primitives=len(np.unique(pixels.packet)))
             if index == 0:
                 picture = read_picture(session)
@@ -322,6 +331,9 @@ async def lights(dut: Any) -> None:
     bench.check("a good frame", await after(enclosed(body_of(Opcode.HELLO, 0, b""))), 0b1001)
     payload = words.astype("<u4").tobytes()
     bench.check("triangles", await after(enclosed(body_of(Opcode.TRIANGLES, 0, payload))), 0b1011)
+    if bench.config.with_vertices:
+        # Which are set up for longer than a light is on.
+        await after(b"")
     bench.check("silence", await after(b""), 0)
     frames = parser.feed(await line.arrived())
     bench.check("answers", [frame.opcode for frame in frames], [Opcode.HELLO_ANSWER, Opcode.ACK])

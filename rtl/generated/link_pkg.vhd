@@ -79,12 +79,15 @@ package link_pkg is
   constant feature_colours_656 : natural := 32;
   constant feature_colours_444 : natural := 64;
   constant feature_packed_read : natural := 128;
+  constant feature_vertices : natural := 256;
+  constant feature_single_buffer : natural := 512;
+  constant feature_colours_565 : natural := 1024;
 
   -- What a board says of itself:
   --   clk_frequency_hz: system clock
   --   default_phase_step: phase step after power-up and after a break
   --   fifo_words: words of the command FIFO
-  --   features: bits depth_test, shade, edge_map, display, two_buffers, colours_656, colours_444, packed_read
+  --   features: what it has, a bit each
   --   screen_width: pixels
   --   screen_height: pixels
   --   colour_bytes: bytes of a pixel in plane 0
@@ -117,7 +120,7 @@ package body link_pkg is
     variable words : identity_t;
   begin
     words(0) := std_ulogic_vector'(x"44485351");
-    words(1) := std_ulogic_vector'(x"d74b0fed");
+    words(1) := std_ulogic_vector'(x"12ba1e01");
     words(2) := std_ulogic_vector(to_unsigned(num_counters, 16))
         & std_ulogic_vector(to_unsigned(protocol_version, 16));
     words(3) := std_ulogic_vector(to_unsigned(board.clk_frequency_hz, 32));

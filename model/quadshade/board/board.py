@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from quadshade.board import fallbacks
-from quadshade.board.frame_time import Watch
+from quadshade.board.frame_time import Watch, uncounted
 from quadshade.board.ports import RECONNECT_SECONDS, Port
 from quadshade.board.readback import BoardReader
 from quadshade.board.settings import BoardSettings
@@ -30,6 +30,7 @@ from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
 from quadshade.packing.pack import packed_writes
+from quadshade.packing.pack_vertices import as_run
 from quadshade.setup.triangle_setup import setup_triangles
 
 REDRAWS = 5
@@ -121,7 +122,8 @@ class Board(BoardReader):
             self.host_formats = fallbacks.host_formats(self.formats)
             self.width, self.height = self.identity["screen_width"], self.identity["screen_height"]
             size, has_edges = (self.width, self.height), has_feature(self.identity, "edge_map")
-            self._expected = DrawnScreen(*size, self.formats, has_edges, self.colour_bits)
+            self._vertices = has_feature(self.identity, "vertices")
+            self._expected = DrawnScreen(*size, self.formats, has_edges, self.colour_bits, self._vertices)
             self._is_shown = False
             # What a board that was reset has to be told again, and what it knew before the picture was begun.
             self._journal: list[Callable[[], None]] = []
@@ -294,18 +296,18 @@ class Board(BoardReader):
             matched = replace(matched, depth=None)
         primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
         watch = Watch(self.session, self.clock, self.simulated is None, deadline)
-        packed = watch.packed(primitives, matched.shade, self.formats, pack_error)
-        uncounted = () if deadline is None else self._port.uncounted(self.identity)
-        for text in (*notices, *uncounted, *watch.notices):
+        packed = watch.packed(primitives, matched, self.formats, pack_error)
+        missed = () if deadline is None else uncounted(self.identity)
+        for text in (*notices, *missed, *watch.notices):
             self._notice(text)
         if matched.shade is not None:
             self.state(matched.shade, packed.words)
-        self.send(packed.words, len(triangles))
+        self.send(packed.words, len(triangles), packed.vertices)
         if watch.is_late():
             self.late += 1
             self._notice("late: the picture has missed its deadline")
 
-    def send(self, words: np.ndarray, triangles: int = 0) -> None:
+    def send(self, words: np.ndarray, triangles: int = 0, vertices: bool = False) -> None:
         """
         Draw packed words: whole packets, as :func:`quadshade.packing.pack.pack_primitives` makes them.
 
@@ -314,14 +316,20 @@ class Board(BoardReader):
         words : (m,) uint32
         triangles : int
           How many they draw, for the progress.
+        vertices : bool
+          They are those of :func:`quadshade.packing.pack_vertices.pack_vertices`.
 
         Raises
         ------
         QuadshadeError
-          Something else than an array of words.
+          Something else than an array of words, or words that the board cannot read.
         """
         if not isinstance(words, np.ndarray) or words.ndim != 1 or words.dtype != np.uint32:
             raise QuadshadeError("what is sent is no row of uint32 words", "send those of pack_primitives")
+        if vertices and not self._vertices:
+            raise QuadshadeError("the board takes no vertices", "pack without --vertices")
+        if self._vertices and not vertices:
+            words = as_run(words)
         self._check_drawn()
         self._do(lambda: self._stream(words, triangles))
         self._triangles += triangles
@@ -352,9 +360,9 @@ class Board(BoardReader):
         Raises
         ------
         QuadshadeError
-          The board has other generics or another screen; the file holds vertices; or a CRC differs.
+          The board has other generics or another screen, or takes no vertices; or a CRC differs.
         """
-        frame.check_sendable()
+        frame.check_sendable(self._vertices)
         other = [pair for pair in frame.formats.generics().items() if pair[1] != self.identity[pair[0]]]
         if other:
             names = ", ".join(f"{name}={value} (the board: {self.identity[name]})" for name, value in other)
@@ -368,7 +376,7 @@ class Board(BoardReader):
         self._begin(frame.clear_colour)
         for address, words in frame.state:
             self._write({address + index: int(word) for index, word in enumerate(words)})
-        self.send(frame.words, frame.triangles)
+        self.send(frame.words, frame.triangles, frame.vertices)
         crcs = {"colour": frame.crc} | ({"depth": frame.depth_crc} if self.formats.with_depth else {})
         for plane, crc in crcs.items() if verify else ():
             # The file's colours have eight bits; those of fewer are compared with the golden model alone.

@@ -103,6 +103,8 @@ class ModelEngine(Engine):
             settings.buffers,
             settings.colour_bits,
             bool(settings.with_packed_read),
+            bool(settings.with_vertices),
+            bool(settings.single_buffer),
         )
         self._baud = settings.baud
         self._answers = bytearray()

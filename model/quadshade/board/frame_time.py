@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
+from quadshade.contract.identity import has_feature
 from quadshade.contract.protocol import MAX_PAYLOAD, WORD_BYTES, Opcode
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.contract.triangles import ScreenTriangles
@@ -33,6 +34,7 @@ from quadshade.link.session import Session
 from quadshade.packing.frame_file import state_runs
 from quadshade.packing.line import frame_bytes
 from quadshade.packing.pack import Packed, pack_primitives, packed_writes
+from quadshade.packing.pack_vertices import pack_vertices
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.triangle_setup import setup_triangles
 
@@ -45,6 +47,8 @@ BITS_TO_SAMPLE = 9 + 5 / 8
 JUDGE_CLOCKS = 8
 """From then on until a frame's words count."""
 
+LEAST_COUNTED = 512
+"""Words of a FIFO that has room for the next frame while one is drawn."""
 
 DEPTH_CLOCKS, PICTURE_CLOCKS = 8, 2
 """From a pixel's leaving the core to the framebuffer (``depth_test.vhd``), and there until it is written."""
@@ -199,6 +203,16 @@ SHORTER = (1 / 8, 1 / 2)
 """Grey levels that words may be packed to where a picture is late otherwise."""
 
 
+def uncounted(identity: Mapping[str, int]) -> list[str]:
+    """Why a picture may take longer than is counted here, by HELLO's fields; for who has a deadline."""
+    found, words = [], identity["fifo_words"]
+    if words < LEAST_COUNTED:
+        found.append(f"a FIFO of {words} words makes the line pause")
+    if has_feature(identity, "single_buffer"):
+        found.append("single_buffer=1 makes packets wait for each other")
+    return [f"a picture may be late: {' and '.join(found)}, which is not counted"] if found else []
+
+
 class Watch:
     """
     Whether a picture is in time.
@@ -224,7 +238,7 @@ class Watch:
         self._tail = 0.0
 
     def packed(
-        self, primitives: Primitives, state: ShadeState | None, formats: Formats, error: float
+        self, primitives: Primitives, triangles: ScreenTriangles, formats: Formats, error: float
     ) -> Packed:
         """
         Primitives packed so that a picture of them is complete in time, which runs from then on.
@@ -232,7 +246,8 @@ class Watch:
         Parameters
         ----------
         primitives : Primitives
-        state : ShadeState or None
+        triangles : ScreenTriangles
+          Those that they were set up from. Without a deadline they go as vertices, if the board takes them.
         formats : Formats
         error : float
           Grey levels that packing may add; more where that is too slow.
@@ -246,6 +261,9 @@ class Watch:
         QuadshadeError
           It would be late, however short its words are.
         """
+        state = triangles.shade
+        if self._deadline is None and has_feature(self._session.identity, "vertices"):
+            return pack_vertices(primitives, triangles, formats, error)
         if self._deadline is None:
             return pack_primitives(primitives, formats, error, state)
         least = math.inf

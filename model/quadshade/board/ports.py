@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,9 +32,6 @@ RECONNECT_SECONDS = 30.0
 """So long a line that vanished is waited for."""
 
 POLL_SECONDS = 0.1
-
-LEAST_COUNTED = 512
-"""Words of a FIFO that has room for the next frame while one is drawn."""
 
 LEAST_SECONDS, MOST_SECONDS = 0.001, 1e6
 """Range of the time-out of an answer."""
@@ -133,19 +129,6 @@ class Port:
     def answer_seconds(self) -> float:
         """Time-out of an answer."""
         return SIMULATED_SECONDS[board_engine(self.engine)] if self.is_simulated else ANSWER_SECONDS
-
-    def uncounted(self, identity: Mapping[str, int]) -> list[str]:
-        """
-        Why a picture may take longer than the model of time says, for who has a deadline.
-
-        Whether a real board has ``single_buffer=1`` HELLO does not say; iCEBreaker has, and a small FIFO.
-        """
-        found, words = [], identity["fifo_words"]
-        if words < LEAST_COUNTED:
-            found.append(f"a FIFO of {words} words makes the line pause")
-        if self.is_simulated and self.settings is not None and self.settings.single_buffer:
-            found.append("single_buffer=1 makes packets wait for each other")
-        return [f"a picture may be late: {' and '.join(found)}, which is not counted"] if found else []
 
     def seconds_of(self, given: float | None) -> float:
         """

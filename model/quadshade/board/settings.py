@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields, replace
 
 from quadshade.contract.formats import Formats
 from quadshade.contract.protocol import COLOUR_BITS, MAX_PAYLOAD
+from quadshade.contract.vertex_program import check_formats
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.scan_out import Timing
@@ -22,6 +23,7 @@ ALLOWED: dict[str, Collection[int]] = {
     "buffers": (1, 2),
     "colour_bits": tuple(COLOUR_BITS),
     "with_packed_read": (0, 1),
+    "with_vertices": (0, 1),
     "single_buffer": (0, 1),
     "most_counter_bits": range(1, 33),
     "crc_cycles": (1, 2, 4, 8),
@@ -56,7 +58,7 @@ class BoardSettings:
       clocks, and so little time.
     fifo_words : int
       Of the command FIFO: a power of two from 256, which hold the longest frame, to 32768.
-    with_edge_map, single_port_memory, with_video, with_packed_read, single_buffer : int
+    with_edge_map, single_port_memory, with_video, with_packed_read, with_vertices, single_buffer : int
       0 or 1. ``with_video`` makes words for a monitor, which only the golden model of a board shows.
     buffers : int
       2: one is shown while the other is drawn, until a swap.
@@ -89,6 +91,7 @@ class BoardSettings:
     buffers: int = 1
     colour_bits: int = 8
     with_packed_read: int = 1
+    with_vertices: int = 0
     most_counter_bits: int = 32
     single_buffer: int = 0
     crc_cycles: int = 1
@@ -119,6 +122,8 @@ class BoardSettings:
                 raise QuadshadeError(f"{name} is {getattr(self, name)}", f"give {_choice(allowed)}")
         if self.with_video:
             self._check_video()
+        if self.with_vertices:
+            check_formats(self.formats)
 
     def _check_formats(self) -> None:
         """What ``board`` and ``screen`` assert of the core's generics."""

@@ -191,7 +191,6 @@ class TiledScreen:
         (height, width, 3) uint8
           The picture as RGB.
         """
-        frame.check_sendable()
         red, green, blue, _ = frame.clear_colour.to_bytes(4, "little")
         self.clear((red, green, blue) if self.formats.emitted_channels > 1 else (red,) * 3)
         shade = None

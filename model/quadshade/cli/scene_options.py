@@ -96,8 +96,7 @@ VERTEX_OPTIONS: list[Decorator] = [
         "--vertices",
         is_flag=True,
         help="Pack corners and edge middles, which neighbours share, where that takes fewer bytes than the "
-        "packed fields. No board takes them yet: for dump, and for your own design "
-        "(docs/reference/vertices.md).",
+        "packed fields, for a board with_vertices=1 (docs/reference/vertices.md).",
     )
 ]
 

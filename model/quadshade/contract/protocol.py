@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
-from quadshade.contract import formats, packed_format
+from quadshade.contract import formats, packed_format, vertex_program
 from quadshade.errors import QuadshadeError
 
 VERSION = 1
@@ -120,9 +120,12 @@ LINK_STATE = (
 
 FEATURES = (
     *("depth_test", "shade", "edge_map", "display", "two_buffers", "colours_656", "colours_444"),
-    "packed_read",
+    *("packed_read", "vertices", "single_buffer", "colours_565"),
 )
-"""Bits of HELLO's ``features``, the lowest first."""
+"""
+Bits of HELLO's ``features``, the lowest first. The last one is kept for pictures of 16 bits a pixel, so that
+boards that have none keep their definition when one comes.
+"""
 
 OPTIONAL = {Opcode.SWAP: "two_buffers"}
 """Requests that only boards with a feature know; the others refuse them as unknown."""
@@ -134,7 +137,7 @@ BOARD_FIELDS = (
     ("clk_frequency_hz", 4, "system clock"),
     ("default_phase_step", 4, "phase step after power-up and after a break"),
     ("fifo_words", 2, "words of the command FIFO"),
-    ("features", 2, f"bits {', '.join(FEATURES)}"),
+    ("features", 2, "what it has, a bit each"),
     ("screen_width", 2, "pixels"),
     ("screen_height", 2, "pixels"),
     ("colour_bytes", 1, "bytes of a pixel in plane 0"),
@@ -283,6 +286,7 @@ def definition_text() -> str:
         ("planes_of_order", formats.DIFFERENCES_OF_ORDER),
         ("packed", (packed_format.FIELD_KINDS, packed_format.RAW_FIELDS, packed_format.FILLS)),
         ("channel_kinds", packed_format.CHANNEL_KINDS),
+        ("vertices", vertex_program.REVISION),
         ("widths", (packed_format.KIND_WIDTHS, packed_format.FIELD_WIDTHS, packed_format.SIZES)),
         ("generics", tuple(field.name for field in fields(formats.Formats))),
         ("protocol", (VERSION, HEADER_FIELDS, CRC_BYTES, MAX_BODY, PHASE_BITS, BREAK_BITS)),

@@ -15,7 +15,7 @@ RELEASES = {
 }
 """Version of each release, oldest first, and its :func:`quadshade.contract.protocol.definition_hash`."""
 
-UNRELEASED: int | None = 0xD74B0FED
+UNRELEASED: int | None = 0x12BA1E01
 """The definition of this checkout, where it is no more that of the last release."""
 
 

@@ -22,6 +22,12 @@ from quadshade.contract.vertex_text import program_text
 from quadshade.contract.width_expressions import evaluate
 from quadshade.errors import QuadshadeError
 
+REVISION = 1
+"""
+Of what a packet with vertices means: its bits, and the set-up words that come of them. Another order of the
+same sums is the same revision.
+"""
+
 WIDTH = 50
 """Bits of a word of the memory, two's complement; sums and differences are cut to it."""
 

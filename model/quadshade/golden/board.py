@@ -19,6 +19,7 @@ from quadshade.contract.protocol import (
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.golden.link.command_decoder import CommandDecoder
 from quadshade.golden.link.pixel_packer import pack_pixels
+from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade.render_core import draw
@@ -34,6 +35,8 @@ class DrawnScreen(Screen):
     formats : Formats
     with_edge_map : bool
     colour_bits : int
+    with_vertices : bool
+      Whether words are those of ``vertex_unpacker``.
 
     Attributes
     ----------
@@ -44,11 +47,17 @@ class DrawnScreen(Screen):
     """
 
     def __init__(
-        self, width: int, height: int, formats: Formats, with_edge_map: bool = False, colour_bits: int = 8
+        self,
+        width: int,
+        height: int,
+        formats: Formats,
+        with_edge_map: bool = False,
+        colour_bits: int = 8,
+        with_vertices: bool = False,
     ) -> None:
         self.formats = formats
         self.words: list[int] = []
-        self.unpacker = WordUnpacker(formats)
+        self.unpacker = VertexUnpacker(formats) if with_vertices else WordUnpacker(formats)
         self.registers: dict[int, int] = {}
         if formats.with_shade:
             self.registers = dict(colour_state(formats).writes().tolist())
@@ -131,6 +140,10 @@ class BoardModel(CommandDecoder):
       Bits that the picture keeps of a colour: 8, 6 or 4.
     with_packed_read : bool
       Whether READ may ask for packed bytes.
+    with_vertices : bool
+      Whether triangles may come as their vertices.
+    single_buffer : bool
+      Whether packets wait for each other in its core: HELLO says so, no pixel is another.
     """
 
     def __init__(
@@ -147,9 +160,11 @@ class BoardModel(CommandDecoder):
         buffers: int = 1,
         colour_bits: int = 8,
         with_packed_read: bool = True,
+        with_vertices: bool = False,
+        single_buffer: bool = False,
     ) -> None:
         formats = formats or Formats()
-        self.screen = screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits)
+        self.screen = screen = DrawnScreen(width, height, formats, with_edge_map, colour_bits, with_vertices)
         has = {
             "depth_test": formats.with_depth,
             "shade": formats.with_shade,
@@ -158,6 +173,8 @@ class BoardModel(CommandDecoder):
             "two_buffers": buffers == 2,
             COLOUR_BITS[colour_bits]: True,
             "packed_read": with_packed_read,
+            "vertices": with_vertices,
+            "single_buffer": single_buffer,
         }
         identity = {
             "magic": MAGIC,

@@ -17,6 +17,7 @@ import numpy as np
 
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
+from quadshade.contract.identity import has_feature
 from quadshade.contract.protocol import MAX_PAYLOAD, SEQUENCES, WORD_BYTES, Opcode, definition_hash
 from quadshade.contract.releases import other_release
 from quadshade.contract.shade_state import colour_state
@@ -28,7 +29,7 @@ from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade import render_core
 from quadshade.link.frames import Frame
 from quadshade.packing.pack import Packed, pack_primitives, unpack
-from quadshade.packing.pack_vertices import pack_vertices, unpack_vertices
+from quadshade.packing.pack_vertices import as_run, pack_vertices, unpack_vertices
 from quadshade.setup.triangle_setup import setup_triangles
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ class FrameFile:
     definition : int
       Hash of formats, packet layout and protocol.
     vertices : bool
-      The words are those of ``vertex_unpacker``, which no board has yet.
+      The words are for a board with ``vertex_unpacker``.
     """
 
     formats: Formats
@@ -106,17 +107,20 @@ class FrameFile:
         QuadshadeError
           As for :meth:`check_sendable`.
         """
-        self.check_sendable()
+        self.check_sendable(has_feature(session.identity, "vertices"))
         session.clear(self.clear_colour)
         for address, words in self.state:
             session.state(address, words)
-        session.triangles(self.words)
+        words = self.words
+        if has_feature(session.identity, "vertices") and not self.vertices:
+            words = as_run(words)
+        session.triangles(words)
 
-    def check_sendable(self) -> None:
-        """Raise :class:`QuadshadeError` where the words are vertices: no board takes them yet."""
-        if self.vertices:
+    def check_sendable(self, takes_vertices: bool) -> None:
+        """Raise :class:`QuadshadeError` where the words are vertices, for a board that does not take them."""
+        if self.vertices and not takes_vertices:
             raise QuadshadeError(
-                "the file holds vertices, which no board takes yet", "pack without --vertices"
+                "the file holds vertices, which the board does not take", "pack without --vertices"
             )
 
     def set_up_words(self) -> np.ndarray:
@@ -151,7 +155,7 @@ def pack_frame(
     limit, **setup
       As for :func:`quadshade.setup.triangle_setup.setup_triangles`.
     vertices : bool
-      Pack for ``vertex_unpacker``.
+      For a board with ``vertex_unpacker``.
 
     Returns
     -------
@@ -200,7 +204,7 @@ def pack_frame(
 
 
 def set_up_words(words: np.ndarray, formats: Formats, vertices: bool) -> np.ndarray:
-    """(n,) uint32: what the core gets of packed words, or of those of ``vertex_unpacker``."""
+    """(n,) uint32: what the core gets of packed words, or of those of a board with ``vertex_unpacker``."""
     return unpack_vertices(words, formats) if vertices else unpack(words, formats)
 
 

@@ -65,15 +65,15 @@ def replay_on_board(
     Raises
     ------
     QuadshadeError
-      A malformed file, one with vertices, a board with other generics, or one that shows
-      what it should not.
+      A malformed file, a board with other generics or that takes no vertices, or one that shows what it
+      should not.
     """
     frame = read_frame_file(path)
-    frame.check_sendable()
     size = (frame.width, frame.height)
     settings = None
     if port.is_simulated:
-        settings = BoardSettings(frame.formats, *simulated_screen(size, frame.formats.coord_bits))
+        screen_size = simulated_screen(size, frame.formats.coord_bits)
+        settings = BoardSettings(frame.formats, *screen_size, with_vertices=int(frame.vertices))
     with opened(port, settings, engine, reports) as pool:
         first = pool.boards[0]
         if len(pool.boards) == 1 and size == (first.width, first.height):
