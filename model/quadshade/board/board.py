@@ -362,17 +362,7 @@ class Board(BoardReader):
         QuadshadeError
           The board has other generics or another screen, or takes no vertices; or a CRC differs.
         """
-        frame.check_sendable(self._vertices)
-        other = [pair for pair in frame.formats.generics().items() if pair[1] != self.identity[pair[0]]]
-        if other:
-            names = ", ".join(f"{name}={value} (the board: {self.identity[name]})" for name, value in other)
-            raise QuadshadeError(f"the file is for a board with {names}", "pack it again for this board")
-        if (frame.width, frame.height) != (self.width, self.height):
-            raise QuadshadeError(
-                f"the file is for a screen of {frame.width}x{frame.height}, the board's is"
-                f" {self.width}x{self.height}",
-                f"pack it with --size {self.width}x{self.height}",
-            )
+        frame.check_sendable(self.identity)
         self._begin(frame.clear_colour)
         for address, words in frame.state:
             self._write({address + index: int(word) for index, word in enumerate(words)})

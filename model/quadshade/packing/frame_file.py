@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -96,7 +97,7 @@ class FrameFile:
 
     def send(self, session: Session) -> None:
         """
-        Send everything; the session is connected to a board of these generics and this screen.
+        Send everything.
 
         Parameters
         ----------
@@ -107,20 +108,28 @@ class FrameFile:
         QuadshadeError
           As for :meth:`check_sendable`.
         """
-        self.check_sendable(has_feature(session.identity, "vertices"))
+        self.check_sendable(session.identity)
         session.clear(self.clear_colour)
         for address, words in self.state:
             session.state(address, words)
-        words = self.words
-        if has_feature(session.identity, "vertices") and not self.vertices:
-            words = as_run(words)
-        session.triangles(words)
+        runs = has_feature(session.identity, "vertices") and not self.vertices
+        session.triangles(as_run(self.words) if runs else self.words)
 
-    def check_sendable(self, takes_vertices: bool) -> None:
-        """Raise :class:`QuadshadeError` where the words are vertices, for a board that does not take them."""
-        if self.vertices and not takes_vertices:
+    def check_sendable(self, board: Mapping[str, int]) -> None:
+        """Raise :class:`QuadshadeError` for a board, by HELLO's fields, that cannot draw the file."""
+        if self.vertices and not has_feature(board, "vertices"):
             raise QuadshadeError(
                 "the file holds vertices, which the board does not take", "pack without --vertices"
+            )
+        other = [pair for pair in self.formats.generics().items() if pair[1] != board[pair[0]]]
+        if other:
+            names = ", ".join(f"{name}={value} (the board: {board[name]})" for name, value in other)
+            raise QuadshadeError(f"the file is for a board with {names}", "pack it again for this board")
+        size = f"{board['screen_width']}x{board['screen_height']}"
+        if f"{self.width}x{self.height}" != size:
+            raise QuadshadeError(
+                f"the file is for a screen of {self.width}x{self.height}, the board's is {size}",
+                f"pack it with --size {size}",
             )
 
     def set_up_words(self) -> np.ndarray:
