@@ -21,13 +21,14 @@ from quadshade.adapt import Adapted, ErrorCurve
 from quadshade.adapt.adapted import SHADERS
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import SHORTER, BoardClock, PictureClocks, picture_clocks
+from quadshade.board.frame_time import BoardClock, PictureClocks
 from quadshade.choices import ADAPTIVE_SHADINGS, parse_pack_error
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.link.transport import DEFAULT_BAUD
-from quadshade.rendering.levels import phong_picture, plan_picture
+from quadshade.rendering.levels import phong_picture
+from quadshade.rendering.sent_picture import SentPicture, sent_picture
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, at_level, show_scene
 from quadshade.rendering.shown_triangles import shown_triangles
@@ -51,8 +52,8 @@ WIDTH = 32
 COARSER = 0.9
 """Of a finer level's error, which a coarser one must be under: other triangles have other outlines, and
 those flicker."""
-COARSEST = 2.0
-"""Grey levels that words of a frame are packed to where it is late otherwise."""
+SHORTER = (1 / 8, 1 / 2, 1.0, 2.0, 3.0)
+"""Grey levels that words may be packed to; beyond, what they add is more than what they leave room for."""
 COMPARED = 4
 """Of the frames that are looked at, those whose pictures are compared; all must be in time."""
 TOO_FAR = 2.0
@@ -92,24 +93,21 @@ class FrameTime:
         least = parse_pack_error(settings.port.added_error)
         shorter = SHORTER if settings.port.pack_error is None else ()
         self._errors = (least, *(error for error in shorter if error > least))
-        self._coarsest = COARSEST if settings.port.pack_error is None else least
-        self._counted: tuple[ScreenTriangles, float, PictureClocks] | None = None
+        self._sent: tuple[ScreenTriangles, float, SentPicture, PictureClocks] | None = None
         self._a_byte = clock.clocks_of_bytes(1)
         self.budget = math.floor(deadline_clocks(self.milliseconds, clock) / self._a_byte)
 
-    def clocks(self, triangles: ScreenTriangles, core: Formats, error: float) -> PictureClocks:
-        """What a picture takes, of words packed to an error; of the same one again it is known."""
-        if self._counted is not None and self._counted[0] is triangles and self._counted[1] == error:
-            return self._counted[2]
-        given = triangles
-        if self.board is None:
-            formats = replace(core, stream_width=32)
-        else:
-            triangles, formats = sent_triangles(triangles, self.board), self.board
-        setup = self._settings.setup.arguments()
-        clocks = picture_clocks(triangles, formats, self.clock, error, **setup)
-        self._counted = given, error, clocks
-        return clocks
+    def sent(
+        self, triangles: ScreenTriangles, core: Formats, error: float
+    ) -> tuple[SentPicture, PictureClocks]:
+        """A picture of words packed to an error, and what it takes; of the same one again it is known."""
+        if self._sent is None or self._sent[0] is not triangles or self._sent[1] != error:
+            matched, formats = triangles, replace(core, stream_width=32)
+            if self.board is not None:
+                matched, formats = sent_triangles(triangles, self.board), self.board
+            picture = sent_picture(matched, formats, error, **self._settings.setup.arguments())
+            self._sent = triangles, error, picture, picture.clocks(self.clock)
+        return self._sent[2:]
 
     def curve(self, settings: RenderSettings, shown: ShownScene, shading: str, error: float) -> Curve | None:
         """
@@ -122,7 +120,7 @@ class FrameTime:
         specular = None
 
         def cost(triangles: ScreenTriangles, core: Formats) -> int:
-            return math.ceil(self.clocks(triangles, core, error).whole / self._a_byte)
+            return math.ceil(self.sent(triangles, core, error)[1].whole / self._a_byte)
 
         if shading != ADAPTIVE_SHADINGS[0]:
             try:
@@ -179,7 +177,7 @@ class FrameTime:
         """What the cheapest picture of colours takes, in bytes; 0 of a scene that is not seen."""
         if not len(shown.projected):
             return 0
-        curve = self.curve(settings, shown, ADAPTIVE_SHADINGS[0], self._coarsest)
+        curve = self.curve(settings, shown, ADAPTIVE_SHADINGS[0], self._errors[-1])
         return 0 if curve is None else curve.picture(0).cost("line")
 
     def _level(self, settings: RenderSettings, shown: ShownScene, count: int) -> ShownScene | None:
@@ -207,11 +205,10 @@ class FrameTime:
         references = [phong_picture(each, one, self.formats) for each, one in compared]
         first = self._first_in_time(frames, counts)
         for error in self._errors:
-            if error**2 / 3 > least:
-                break
             found, square = self._best(compared, references, counts[first:], error)
-            if found is not None and square < least:
-                best, least = found, square
+            if best is not None and square >= least:
+                break
+            best, least = found, square
         if best is None:
             raise self._refusal(counts, frames)
         return best
@@ -300,9 +297,9 @@ class FrameTime:
             found = self._planned(settings, level, levers)
             if found is None:
                 return math.inf
-            drawn = plan_picture(found.adapted, level)
-            # Shorter words are not drawn: as if what they add were anything within the bound.
-            total += float(np.square(drawn - reference).mean()) + found.levers.pack_error**2 / 3
+            sent, _ = self.sent(found.adapted.triangles, found.adapted.formats, found.levers.pack_error)
+            drawn = sent.shown((level.projected.width, level.projected.height), level.ground)
+            total += float(np.square(drawn - reference).mean())
         return total / len(frames)
 
     def picture(self, settings: RenderSettings, shown: ShownScene, pace: Pace) -> tuple[ShownScene, Timing]:
@@ -323,8 +320,9 @@ class FrameTime:
                 found = chosen
             pace.error = found.error
         pace.levers = found.levers
-        clocks = self.clocks(found.adapted.triangles, found.adapted.formats, found.levers.pack_error)
-        adapted = replace(found.adapted, line_bytes=clocks.line_bytes)
+        adapted = found.adapted
+        _, clocks = self.sent(adapted.triangles, adapted.formats, found.levers.pack_error)
+        adapted = replace(adapted, line_bytes=clocks.line_bytes)
         timing = Timing(self.milliseconds, self.clock, clocks, found.levers)
         return replace(found.scene, adapted=adapted), timing
 
@@ -350,7 +348,8 @@ class FrameTime:
     def _planned(self, settings: RenderSettings, level: ShownScene, levers: Levers) -> Found | None:
         """A level with such channels; words are as short as it takes, None where that is not in time."""
         start = None if levers.step < 0 else levers.step
-        for error in sorted({min(levers.pack_error, self._errors[-1]), self._coarsest}):
+        # They stay as short, so that nothing pops.
+        for error in (one for one in self._errors if one >= min(levers.pack_error, self._errors[-1])):
             curve = self.curve(settings, level, levers.shading, error)
             near = None if curve is None else self.near(curve, start)
             if near is not None:

@@ -22,7 +22,7 @@ import click
 import numpy as np
 
 from quadshade.board import BoardSettings
-from quadshade.board.frame_time import BITS_A_BYTE, BoardClock, packed_clocks
+from quadshade.board.frame_time import BITS_A_BYTE, packed_clocks
 from quadshade.files.atomic import write_json
 from quadshade.files.markdown import markdown_table
 from quadshade.golden.board import BoardModel
@@ -30,8 +30,8 @@ from quadshade.link.session import Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport
 from quadshade.packing.frame_file import state_runs
 from quadshade.packing.pack import packed_writes
-from quadshade.rendering.timing import Levers
-from scripts.experiments.frame_time.series import CLOCK_HZ, RATES, SIZE, Fixed, Sent, Series
+from quadshade.rendering.sent_picture import SentPicture
+from scripts.experiments.frame_time.series import CLOCK_HZ, RATES, SIZE, Fixed, Series, board_clock
 from scripts.experiments.frame_time.simulated import counted, picture_frames
 from scripts.experiments.report_writer import (
     LICENCE,
@@ -58,12 +58,10 @@ def drawn(series: Series, kept: Path, count: int) -> list[dict[str, Any]]:
     """Numbers of the first frames; those that are kept are not drawn again."""
     rows = [json.loads(line) for line in kept.read_text().splitlines()] if kept.is_file() else []
     if len(rows) < count:
-        last = rows[-1] if rows else None
-        fixed = series.best_fixed() if last is None else Fixed(*last["fixed"])
-        levers = None if last is None else Levers(*(last[name] for name in Levers._fields))
+        fixed = Fixed(*rows[0]["fixed"]) if rows else series.best_fixed()
         kept.parent.mkdir(parents=True, exist_ok=True)
         with kept.open("a") as file:
-            for row in series.rows(fixed, len(rows), levers):
+            for row in series.rows(fixed, tuple(rows)):
                 rows.append(row)
                 file.write(f"{json.dumps(row)}\n")
                 file.flush()
@@ -74,9 +72,9 @@ def drawn(series: Series, kept: Path, count: int) -> list[dict[str, Any]]:
     return rows[:count]
 
 
-def through_vhdl(pictures: Sequence[Sent], rate: tuple[int, int]) -> list[dict[str, Any]]:
+def through_vhdl(pictures: Sequence[SentPicture], rate: tuple[int, int]) -> list[dict[str, Any]]:
     """What the board's VHDL counts at the deadlines of pictures of one kind of channels."""
-    formats, clock = pictures[0].formats, BoardClock(CLOCK_HZ, rate[0], *SIZE)
+    formats, clock = pictures[0].formats, board_clock(rate[0])
     settings = BoardSettings(formats, *SIZE, clk_frequency_hz=CLOCK_HZ, baud=rate[0])
     jobs, said, number = [], [], 0
     for packed, state, _ in pictures:
@@ -98,9 +96,9 @@ def through_vhdl(pictures: Sequence[Sent], rate: tuple[int, int]) -> list[dict[s
     ]
 
 
-def on_a_bad_line(pictures: Sequence[Sent], rate: tuple[int, int]) -> dict[str, Any]:
+def on_a_bad_line(pictures: Sequence[SentPicture], rate: tuple[int, int]) -> dict[str, Any]:
     """Pictures over a line with faults to the golden model of the board: how many late, how many wrong."""
-    formats, clock = pictures[0].formats, BoardClock(CLOCK_HZ, rate[0], *SIZE)
+    formats, clock = pictures[0].formats, board_clock(rate[0])
     crcs, late, took = [], 0, []
     for rate_of_faults in (0.0, FAULTS):
         board = BoardModel(*SIZE, formats, CLOCK_HZ, rate[0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,20 +14,13 @@ import numpy as np
 
 import quadshade
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import BoardClock, PictureClocks, packed_clocks
-from quadshade.choices import MAX_ERROR, PACK_ERROR
+from quadshade.board.frame_time import BoardClock
+from quadshade.choices import PACK_ERROR
 from quadshade.contract.formats import Formats
-from quadshade.contract.shade_state import ShadeState
-from quadshade.contract.triangles import Pixels
-from quadshade.engine import draw_words
 from quadshade.errors import QuadshadeError
-from quadshade.image import paint, visible
-from quadshade.packing import pack_primitives
-from quadshade.packing.pack import Packed
 from quadshade.rendering import Picture, RenderSettings, Reports, render_picture
+from quadshade.rendering.sent_picture import SentPicture, sent_picture
 from quadshade.rendering.timing import Levers, Pace
-from quadshade.setup import setup_triangles
-from quadshade.setup.packet import pack
 
 SIZE = (160, 120)
 CLOCK_HZ = 100_000_000
@@ -48,23 +41,9 @@ class Fixed(NamedTuple):
     faces: int
 
 
-class Sent(NamedTuple):
-    """A picture on its way to a board."""
-
-    packed: Packed
-    state: ShadeState | None
-    formats: Formats
-
-    def clocks(self, rate: tuple[int, int]) -> PictureClocks:
-        """What it takes at a rate."""
-        return packed_clocks(self.packed, self.state, self.formats, BoardClock(CLOCK_HZ, rate[0], *SIZE))
-
-    def shown(self) -> np.ndarray:
-        """(h, w, 3) uint8: as a board shows it."""
-        emitted = draw_words(pack(self.packed.primitives, self.formats), self.formats, state=self.state)
-        colours = self.formats.emitted_channels
-        pixels = Pixels(emitted.packet, emitted.x, emitted.y, emitted.value, emitted.value[:, colours])
-        return paint(visible(pixels, *SIZE), pixels.value, (0, 0, 0))
+def board_clock(baud: int) -> BoardClock:
+    """Of a board whose screen is as large as the picture."""
+    return BoardClock(CLOCK_HZ, baud, *SIZE)
 
 
 class Errors:
@@ -120,18 +99,17 @@ class Series:
         """Triangles of the scene."""
         return len(quadshade.load_scene(self.scene))
 
-    def sent(self, picture: Picture) -> Sent:
+    def sent(self, picture: Picture) -> SentPicture:
         """What a board gets of a picture."""
         formats = replace(Formats(**picture.stats.generics), stream_width=32)
         triangles, timing = sent_triangles(picture.triangles, formats), picture.stats.timing
         error = PACK_ERROR if timing is None else timing["pack_error"]
-        primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
-        return Sent(pack_primitives(primitives, formats, error, triangles.shade), triangles.shade, formats)
+        return sent_picture(triangles, formats, error)
 
     def in_time(self, picture: Picture) -> bool:
         """Whether a picture is complete in both frame times."""
         sent = self.sent(picture)
-        return all(sent.clocks(rate).whole <= CLOCK_HZ // rate[1] for rate in RATES)
+        return all(sent.clocks(board_clock(rate[0])).whole <= CLOCK_HZ // rate[1] for rate in RATES)
 
     def best_fixed(self) -> Fixed:
         """The fixed choice with the least mean error of those in time in every frame that is looked at."""
@@ -167,32 +145,41 @@ class Series:
         """Phong shading of all triangles."""
         return render_picture(self.settings(frame, shading="phong"), QUIET).array.astype(float)
 
+    def _drawn(self, frame: int, fixed: Fixed, in_time: Picture) -> dict[str, Picture]:
+        """A frame in all ways."""
+        unbudgeted = self.fixed(frame, Fixed("quadratic", self.faces))
+        return {"frame time": in_time, "fixed": self.fixed(frame, fixed), "unbudgeted": unbudgeted}
+
     def again(self, row: dict[str, Any]) -> Picture:
         """The picture of a frame whose numbers are known."""
         pace = Pace(levers=Levers(*(row[name] for name in Levers._fields)))
         return self.animation.frame(row["frame"], pace)
 
-    def rows(self, fixed: Fixed, first: int = 0, levers: Levers | None = None) -> Iterator[dict[str, Any]]:
-        """Every frame in numbers, from one on; flicker needs two before it."""
-        pace = self.animation.pace(levers)
+    def rows(self, fixed: Fixed, before: Sequence[dict[str, Any]] = ()) -> Iterator[dict[str, Any]]:
+        """Every frame in numbers, behind those that are known."""
+        pace = self.animation.pace()
         errors = {name: Errors() for name in ("frame time", "fixed", "unbudgeted")}
-        for frame in range(first, self.frames):
+        for row in before[-2:]:
+            # Flicker needs two frames before.
+            reference = self.phong(row["frame"])
+            for name, picture in self._drawn(row["frame"], fixed, self.again(row)).items():
+                errors[name].add(self.sent(picture).shown(SIZE), reference)
+            pace = self.animation.pace(Levers(*(row[name] for name in Levers._fields)))
+            pace.error = row["pace_error"]
+        for frame in range(len(before), self.frames):
             reference = self.phong(frame)
-            drawn = {
-                "frame time": self.animation.frame(frame, pace),
-                "fixed": self.fixed(frame, fixed),
-                "unbudgeted": self.fixed(frame, Fixed("quadratic", self.faces)),
-            }
+            drawn = self._drawn(frame, fixed, self.animation.frame(frame, pace))
             row: dict[str, Any] = {"scene": self.scene, "frame": frame, "fixed": list(fixed)}
             sent = {name: self.sent(picture) for name, picture in drawn.items()}
             for name, on_line in sent.items():
                 key = name.replace(" ", "_")
-                row[f"{key}_error"], row[f"{key}_flicker"] = errors[name].add(on_line.shown(), reference)
+                row[f"{key}_error"], row[f"{key}_flicker"] = errors[name].add(on_line.shown(SIZE), reference)
             timing = drawn["frame time"].stats.timing
             assert timing is not None
+            row["pace_error"] = pace.error
             row |= {name: timing[name] for name in ("faces", "shading", "step", "pack_error", "line_bytes")}
             for rate in RATES:
-                clocks = sent["frame time"].clocks(rate)
+                clocks = sent["frame time"].clocks(board_clock(rate[0]))
                 row[f"line_{rate[0]}"], row[f"whole_{rate[0]}"] = clocks.line, clocks.whole
-            row["fixed_whole"] = sent["fixed"].clocks(RATES[-1]).whole
+            row["fixed_whole"] = sent["fixed"].clocks(board_clock(RATES[-1][0])).whole
             yield row
