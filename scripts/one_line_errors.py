@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import click
@@ -19,6 +20,19 @@ Result = TypeVar("Result")
 
 class Failure(Exception):
     """What was measured is not what it has to be; exit code 1."""
+
+
+def _show_usage(error: click.UsageError, _: object = None) -> None:
+    """In place of click's usage, hint and error, a line each."""
+    path = "" if error.ctx is None else error.ctx.command_path
+    script = path.removeprefix("python -m ").split()[:1]
+    name = Path(script[0]).stem if script and "/" in script[0] else "".join(script).rpartition(".")[2]
+    text = " ".join(error.format_message().rstrip(".").split())
+    click.echo(f"{name}: error: {text}; try '{path} --help'", err=True)
+
+
+# For every script, as each of them imports this module.
+click.UsageError.show = _show_usage  # type: ignore[method-assign]
 
 
 def one_line_errors(name: str) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:

@@ -45,6 +45,14 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+def test_wrong_words_are_one_line() -> None:
+    for words, said in ((("build", "--seeds", "0"), "'--seeds': 0"), (("nope",), "'nope'")):
+        result = run(*words)
+        assert result.returncode == 2 and result.stdout == ""
+        assert result.stderr.startswith("bitstream: error: ") and said in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+
+
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_has_a_pin(name: str) -> None:
     board = read_board(name, ROOT)

@@ -109,6 +109,7 @@ def test_a_board_of_another_design_is_lost_with_a_line(model: np.ndarray) -> Non
         drawn = quadshade.render(SCENE, port=opened, size=SIZE, reports=Reports(notice=told.append))
     assert np.array_equal(drawn.array, model)
     assert len(told) == 1 and "with_shade" in told[0] and "its work goes to the others" in told[0]
+    assert drawn.stats.port == opened[0].session.name
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -210,7 +211,10 @@ def test_wrong_ports_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         (("--port", device, "--port", link), "is given twice"),
         (("--port", "tty", "--port", device), "is given twice"),
         (("--port", "sim:0"), "sim:1 to sim:64"),
-        (("--port", "sim:2", "--port", tmp_path / "none"), "none"),
+        # Before a simulation is compiled, or even begun.
+        (("--port", "sim:2", "--engine", "verilator", "--port", tmp_path / "none"), "none"),
+        (("--port", ""), "--port is empty"),
+        (("--port", "sim", "--port", " "), "--port is empty"),
         (("--port", "sim", "--size", "9000x9000", "--engine", "model"), "8192x8192"),
         (("--port", "sim", "--size", "0x9"), "0x9"),
     ):
@@ -218,3 +222,9 @@ def test_wrong_ports_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         assert code == 2 and said in output, output
         assert output.strip().count("\n") <= output.count("notice"), output
         assert not list(tmp_path.glob("*.png")) and not list(tmp_path.glob(".*"))
+    code, output = run("info", "--port", "")
+    assert code == 2 and "--port is empty" in output
+    # An empty variable of the environment is none.
+    monkeypatch.setenv("QUADSHADE_PORT", "")
+    code, output = run(*base, "--size", "9x9", "--engine", "model")
+    assert code == 0 and "9x9" in output

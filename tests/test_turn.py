@@ -165,19 +165,27 @@ def test_a_board_draws_every_frame(tmp_path: Path) -> None:
 
 def test_an_interrupted_run_leaves_its_frames_and_goes_on(tmp_path: Path) -> None:
     path = tmp_path / "turn.gif"
-    words = [sys.executable, "-m", "quadshade", "turn", "sphere:690", "-o", str(path), "--frames", "40"]
-    words += ["--size", "320x240", "--engine", "model"]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
-        frames = tmp_path / ".turn.gif.frames"
-        while not (frames / "2.json").is_file():
-            assert process.poll() is None
-            time.sleep(0.02)
-        # Not Ctrl-C's signal, which a job in the background may have been told to ignore.
-        process.send_signal(signal.SIGTERM)
-        said = process.communicate()[1]
-    assert process.returncode == 143 and said.splitlines()[-1] == "quadshade: interrupted"
+    # A job in the background may have been told to ignore Ctrl-C.
+    words = ["env", "--default-signal=INT", sys.executable, "-m", "quadshade", "turn", "sphere:690"]
+    words += ["-o", str(path), "--frames", "40", "--size", "320x240", "--engine", "model"]
+    frames = tmp_path / ".turn.gif.frames"
+
+    def ended_by(number: signal.Signals, frame: int) -> int:
+        """Exit code of a run that gets a signal when a frame is there."""
+        with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
+            while not (frames / f"{frame}.json").is_file():
+                assert process.poll() is None
+                time.sleep(0.02)
+            process.send_signal(number)
+            said = process.communicate()[1]
+        assert said.splitlines()[-1] == "quadshade: interrupted"
+        return int(process.returncode)
+
+    # Who sends this does not wait: the frames are kept, and nothing is made of them.
+    assert ended_by(signal.SIGTERM, 0) == 143 and not path.exists()
+    assert ended_by(signal.SIGINT, 3) == 130
     before = len(frames_of(path))
-    assert 3 <= before < 40 and (tmp_path / "turn.csv").is_file()
+    assert 4 <= before < 40 and (tmp_path / "turn.csv").is_file()
     # A frame counts from when its record is written, behind its picture.
     kept = [one for one in frames.glob("*.json") if one.stem.isdigit()]
     ended = subprocess.run(words, stderr=subprocess.PIPE, text=True, env=os.environ, check=False)

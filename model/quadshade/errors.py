@@ -4,11 +4,15 @@
 from __future__ import annotations
 
 
-def is_interrupt(error: BaseException | None) -> bool:
-    """Whether an exception is Ctrl-C's: amid a call of a compiled loop Numba makes a SystemError of it."""
+class Terminated(KeyboardInterrupt):
+    """In place of Ctrl-C's exception, of signals whose sender does not wait for long."""
+
+
+def interrupt_of(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Ctrl-C's exception, of which amid a call of a compiled loop Numba makes a SystemError."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__
-    return error is not None
+    return error
 
 
 class QuadshadeError(Exception):

@@ -22,7 +22,7 @@ from quadshade.board.pool import BoardPool
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.board.worker_boards import Place, board_here, forget_board
 from quadshade.choices import PHONG, STYLES
-from quadshade.errors import QuadshadeError, is_interrupt
+from quadshade.errors import QuadshadeError, Terminated, interrupt_of
 from quadshade.files.atomic import check_writable
 from quadshade.image import largest_and_rms
 from quadshade.rendering.draw import render_picture
@@ -143,7 +143,7 @@ class Animation:
         Draw all frames, and write them with their table and plot.
 
         A frame that is drawn is kept beside the file until the file is written: a killed animation goes on
-        where it stopped. After Ctrl-C the file holds the frames so far.
+        where it stopped. After Ctrl-C the file holds the frames so far; `kill` does not wait for that.
 
         Parameters
         ----------
@@ -171,10 +171,12 @@ class Animation:
         try:
             self._fill(store)
         except (KeyboardInterrupt, SystemError) as error:
-            if not is_interrupt(error):
+            interrupt = interrupt_of(error)
+            if interrupt is None:
                 raise
-            self._write(store, outputs)
-            raise KeyboardInterrupt from error
+            if not isinstance(interrupt, Terminated):
+                self._write(store, outputs)
+            raise interrupt from None
         except QuadshadeError:
             if len(store.missing(len(self))) == len(self):
                 store.remove()

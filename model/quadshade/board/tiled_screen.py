@@ -60,6 +60,8 @@ class TiledScreen:
       Those to shade for.
     width, height : int
     pool : BoardPool or WorkerPool
+    drawers : tuple of boards
+      Those that go together; some may be lost by now.
     tiles : int
       Drawn so far.
 
@@ -89,6 +91,8 @@ class TiledScreen:
         self._notice, self._progress, self._store = notice, progress, store
         self.formats = self._common(width, height) if formats is None else self._given(formats)
         self.host_formats = host_formats(self.formats)
+        # Those of other formats are lost by now.
+        self.drawers: tuple[Any, ...] = tuple(pool.boards)
         self._picture = TiledPicture(self.formats, width, height)
         self.tiles = 0
         self._start = time.monotonic()
@@ -127,7 +131,7 @@ class TiledScreen:
     @property
     def name(self) -> str:
         """Where its boards are."""
-        return ", ".join(board.session.name for board in self.pool.everyone)
+        return ", ".join(board.session.name for board in self.drawers)
 
     @property
     def statistics(self) -> dict[str, float]:

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from quadshade.errors import Terminated
+
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 MESSAGE = "quadshade: interrupted"
@@ -35,7 +37,7 @@ def is_interrupted() -> bool:
 @contextmanager
 def ending_in_order() -> Iterator[None]:
     """
-    Let the signals that end a program raise ``KeyboardInterrupt`` within the block.
+    Let the signals that end a program raise ``KeyboardInterrupt``, or ``Terminated``, within the block.
 
     So files and simulators are cleared away whichever signal it is. An exception may arrive where Python can
     only drop it, as in a callback of Numba's compiler: then it is raised again, and nothing is printed.
@@ -85,7 +87,7 @@ def _handled(handler: Callable[[int, object], None]) -> Iterator[None]:
 def _raise(number: int, _: object) -> None:
     _received.append(number)
     sys.unraisablehook = _dropped
-    raise KeyboardInterrupt
+    raise KeyboardInterrupt if number == signal.SIGINT else Terminated
 
 
 def _dropped(what: Any) -> None:

@@ -35,12 +35,14 @@ class Seconds(click.FloatRange):
         return seconds
 
 
-def _one_or_several(_: click.Context, __: click.Parameter, ports: tuple[str, ...]) -> Any:
-    """No port, the one that is given, or all of them."""
-    named = [port for port in ports if port]
-    if len(named) > 1:
-        parse_ports(named)
-    return named if len(named) > 1 else named[0] if named else None
+def _named(_: click.Context, __: click.Parameter, given: str | tuple[str, ...] | None) -> Any:
+    """No port, the one that is given, or all of them; an empty variable of the environment is none."""
+    ports = (given,) if isinstance(given, str) else given or ()
+    if not all(port.strip() for port in ports):
+        raise QuadshadeError("--port is empty", "give sim, auto or a port's name, or leave it out")
+    if len(ports) > 1:
+        parse_ports(ports)
+    return list(ports) if len(ports) > 1 else ports[0] if ports else None
 
 
 def port_options(help_text: str = "The board", several: bool = False) -> list[Decorator]:
@@ -55,7 +57,6 @@ def port_options(help_text: str = "The board", several: bool = False) -> list[De
       Whether several boards may share the work.
     """
     more = " Repeatable: boards share the work; sim:4 is four simulated ones." if several else ""
-    repeated = {"multiple": True, "callback": _one_or_several} if several else {}
     return [
         option(
             TITLE,
@@ -65,7 +66,8 @@ def port_options(help_text: str = "The board", several: bool = False) -> list[De
             help=f"{help_text}: auto (every serial port is asked), sim (a simulated one is started; "
             "sim:icebreaker has that board's generics), "
             f"/dev/ttyUSB0, socket://host:port.{more}  [env: QUADSHADE_PORT]",
-            **repeated,
+            multiple=several,
+            callback=_named,
         ),
         option(
             TITLE,

@@ -49,13 +49,16 @@ def opened(
     if any(simulated_board(name) is not None for name in port.ports):
         reports.step(f"starting a simulated board in {board_engine(engine.engine)}")
     with ExitStack() as stack:
-        boards: list[Board] = []
+        boards: dict[int, Board] = {}
         problem: QuadshadeError | None = None
-        for number in range(len(port.ports)):
+        # A port that is not there is said before a simulation is compiled.
+        for number in sorted(
+            range(len(port.ports)), key=lambda at: simulated_board(port.ports[at]) is not None
+        ):
             try:
                 given = port.ports[number]
                 is_open = isinstance(given, Board)
-                boards.append(
+                boards[number] = (
                     given
                     if is_open
                     else stack.enter_context(_open(port, number, built[number], engine, reports))
@@ -69,7 +72,7 @@ def opened(
                 reports.notice(f"the board at {port.ports[number]} is left out: {error.message}")
         if not boards and problem is not None:
             raise problem
-        yield BoardPool(boards, reports.notice)
+        yield BoardPool([boards[number] for number in sorted(boards)], reports.notice)
 
 
 def _open(
@@ -136,7 +139,7 @@ def drawn_at(port: PortChoice, board: Board | TiledScreen) -> str:
         return port.name
     if not isinstance(board, TiledScreen):
         return port.name if len(port.ports) < 2 else str(board.session.name)
-    return port.name if len(port.ports) == len(board.pool.everyone) else board.name
+    return port.name if len(port.ports) == len(board.drawers) else board.name
 
 
 def screen_of(
