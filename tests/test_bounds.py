@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import subprocess
 import sys
@@ -48,3 +49,20 @@ def test_every_loop_was_called(interpreted: Path) -> None:
 def test_an_array_one_element_short_is_noticed(interpreted: Path) -> None:
     said = json.loads((interpreted / "loops.json").read_text())["short"]
     assert "index 3 is out of bounds" in said
+
+
+def test_no_compiled_loop_makes_a_record() -> None:
+    """Numba frees an array while a record of it is still used: records come from outside, as arguments."""
+    found, loops = [], 0
+    for path in sorted((ROOT / "model").rglob("*.py")):
+        for function in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(function, ast.FunctionDef):
+                continue
+            if not any("njit" in ast.unparse(decorator) for decorator in function.decorator_list):
+                continue
+            loops += 1
+            for call in ast.walk(function):
+                made = isinstance(call, ast.Call) and ast.unparse(call.func) in ("np.zeros", "np.empty")
+                if made and any(isinstance(dtype, ast.Name) for dtype in call.args[1:]):
+                    found.append(f"{path.name}: {function.name}: {ast.unparse(call)}")
+    assert loops > 100 and not found

@@ -24,6 +24,7 @@ from quadshade.setup.literature.terms import Terms, lattice_steps, term_words
 from quadshade.setup.quantise import (
     FIT,
     SAMPLE_POINTS,
+    Fit,
     carried_error,
     fit_linear,
     reach,
@@ -112,12 +113,15 @@ def _wrap(value: int, half: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _colour(cut: Cut, given: _Given, words: Ints, bounds: Floats, again: Bools) -> None:
-    """Words and bounds of all primitives; ``again`` marks those for which float64 is not good enough."""
+def _colour(cut: Cut, given: _Given, fit: Fit, words: Ints, bounds: Floats, again: Bools) -> None:
+    """
+    Words and bounds of all primitives; ``again`` marks those for which float64 is not good enough.
+
+    ``fit`` is room for a fit.
+    """
     vertices, samples, orders, scales, halves, pixel, fractional, joint, half = given
     heads, edges = cut
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
-    fit = np.zeros(1, FIT)[0]
     real, errors, fraction, off = np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6)
     for p in range(len(heads)):
         triangle = heads[p].triangle
@@ -195,16 +199,23 @@ def colour_exactly(
 
 @njit(cache=True, error_model="numpy")
 def _colour_by_terms(
-    cut: Cut, given: _Given, origins: Ints, terms: Floats, words: Ints, bounds: Floats, undefined: Bools
+    cut: Cut,
+    given: _Given,
+    origins: Ints,
+    terms: Floats,
+    fit: Fit,
+    words: Ints,
+    bounds: Floats,
+    undefined: Bools,
 ) -> None:
     """
     Words of quadratic channels from coefficients T0 to T5; what they are off the set-up's own goes into the
-    bound. ``undefined`` marks coefficients that are not finite, or whose words float64 cannot round.
+    bound. ``undefined`` marks coefficients that are not finite, or whose words float64 cannot round; ``fit``
+    is room for a fit.
     """
     corners, scratch = np.zeros((8, 2)), np.zeros((SAMPLE_POINTS, 5))
     vertices, samples, orders, scales, halves, pixel, fractional, joint, half = given
     heads, edges = cut
-    fit = np.zeros(1, FIT)[0]
     true, errors, real, fraction, off = (
         np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6),
     )  # fmt: skip
@@ -257,7 +268,7 @@ def colour_words(cut: Cut, colours: Colours) -> tuple[np.ndarray, np.ndarray]:
     shape = (len(cut.heads), colours.formats.carried_channels)
     words, bounds = np.zeros((*shape, 6), dtype=np.int64), np.zeros(shape)
     again = np.zeros(shape, dtype=np.bool_)
-    _colour(cut, _given(colours), words, bounds, again)
+    _colour(cut, _given(colours), np.zeros(1, FIT)[0], words, bounds, again)
     if again.any():
         colour_exactly(cut, colours, words, bounds, again)
     return words, bounds * (1.0 + 2.0**-40)
@@ -286,7 +297,8 @@ def words_by_terms(
     """
     formats = colours.formats
     undefined = np.zeros(bounds.shape, dtype=np.bool_)
-    _colour_by_terms(cut, _given(colours), terms.origins, terms.values, words, bounds, undefined)
+    room = np.zeros(1, FIT)[0]
+    _colour_by_terms(cut, _given(colours), terms.origins, terms.values, room, words, bounds, undefined)
     quadratic = colours.orders[cut.heads["triangle"]] == QUADRATIC
     undefined |= quadratic & (bounds > 0.5 * 2.0 ** np.array(formats.channel_value_bits))
     words[undefined], bounds[undefined] = 0, 0.0

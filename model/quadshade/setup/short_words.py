@@ -26,6 +26,7 @@ from quadshade.setup.packet import Primitives, cut_of
 from quadshade.setup.quantise import (
     FIT,
     SAMPLE_POINTS,
+    Fit,
     coarse_words,
     difference_spreads,
     fit_linear,
@@ -82,15 +83,17 @@ def primitive_regions(primitives: Primitives) -> Regions:
 
 
 @njit(cache=True)
-def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints, most: float) -> float:
+def _round(
+    given: _Channels, regions: Regions, p: int, shifts: Ints, scaled: Fit, out: Ints, most: float
+) -> float:
     """
     Round the channels of a primitive (written to ``out``, (c, 6)); the largest share of a budget used.
 
-    A share of more than ``most`` ends it: channels behind are not rounded then.
+    A share of more than ``most`` ends it: channels behind are not rounded then. ``scaled`` is room for a fit.
     """
     corners, count, fit = regions.corners[p], regions.num_corners[p], regions.fit[p]
     worst = 0.0
-    scaled, off = np.zeros(1, FIT)[0], np.zeros(NUM_DIFFERENCES)
+    off = np.zeros(NUM_DIFFERENCES)
     half = np.int64(1) << (given.word_width - 1)
     for channel in given.channels:
         words, order = given.words[p, channel], given.orders[p, channel]
@@ -104,7 +107,7 @@ def _round(given: _Channels, regions: Regions, p: int, shifts: Ints, out: Ints, 
 
 
 @njit(cache=True)
-def _most(given: _Channels, regions: Regions, out: Ints) -> None:
+def _most(given: _Channels, regions: Regions, room: Fit, out: Ints) -> None:
     """Most bits that the channels drop from each difference of every primitive (``out``, (n, 6))."""
     spreads, shifts = np.zeros(NUM_DIFFERENCES), np.zeros(NUM_DIFFERENCES, np.int64)
     rounded = np.zeros(given.words.shape[1:], np.int64)
@@ -121,7 +124,7 @@ def _most(given: _Channels, regions: Regions, out: Ints) -> None:
             for difference in range(NUM_DIFFERENCES):
                 shift = int(np.floor(start - spreads[difference]))
                 shifts[difference] = min(max(shift, 0), given.word_width - 1)
-            share = _round(given, regions, p, shifts, rounded, 1.0)
+            share = _round(given, regions, p, shifts, room, rounded, 1.0)
             if share <= 1.0:
                 out[p] = shifts
                 break
@@ -129,10 +132,12 @@ def _most(given: _Channels, regions: Regions, out: Ints) -> None:
 
 
 @njit(cache=True)
-def _apply(given: _Channels, regions: Regions, rows: Ints, shifts: Ints, out: Ints, used: Floats) -> None:
+def _apply(
+    given: _Channels, regions: Regions, rows: Ints, shifts: Ints, room: Fit, out: Ints, used: Floats
+) -> None:
     """Round the channels of some primitives as ``shifts`` (n, 6) say; ``used`` shares of the budget."""
     for p in rows:
-        used[p] = _round(given, regions, p, shifts[p], out[p], np.inf)
+        used[p] = _round(given, regions, p, shifts[p], room, out[p], np.inf)
 
 
 def short_words(
@@ -161,12 +166,13 @@ def short_words(
     scale = 2.0 ** np.array(formats.channel_frac_bits)
     regions, kinds = primitive_regions(primitives), np.array(channel_kinds(formats))
     words, bounds = primitives.words.copy(), primitives.bound.copy()
+    room = np.zeros(1, FIT)[0]
     shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
     for kind in np.unique(kinds):
         channels = np.flatnonzero(kinds == kind)
         given = _Channels(primitives.words, primitives.orders, channels, budgets * scale, formats.word_width)
         most, used = np.zeros((len(primitives), NUM_DIFFERENCES), np.int64), np.zeros(len(primitives))
-        _most(given, regions, most)
+        _most(given, regions, room, most)
         differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders[:, channels]]
         sent = (differences[:, :, None] > np.arange(NUM_DIFFERENCES)).sum(axis=1)
         shifts[kind] = -1
@@ -174,7 +180,7 @@ def short_words(
             held = hold(most, sent)
             rows = np.flatnonzero((held != shifts[kind]).any(axis=1))
             shifts[kind] = held
-            _apply(given, regions, rows, held, words, used)
+            _apply(given, regions, rows, held, room, words, used)
             over = used > 1.0
             if not over.any():
                 break

@@ -244,9 +244,8 @@ def _packet_clocks(
 
 
 @njit(cache=True)
-def _all_clocks(words: Words32, layout: _Layout, most: int) -> Ints:
+def _all_clocks(words: Words32, place: _Place, layout: _Layout, most: int) -> Ints:
     """:func:`_packet_clocks` of all packets, and of the bits behind the last one."""
-    place = np.zeros(1, _PLACE)[0]
     widths = np.zeros(1 << layout.address_bits, np.int64)
     orders = np.zeros(2 * len(layout.kinds), np.int64)
     piece, out = np.zeros(most, np.int64), np.zeros(most, np.int64)
@@ -372,7 +371,8 @@ class WordUnpacker:
           Sums of ``TAKES``, ``GIVES`` and ``RESTS``.
         """
         bits = SETUP_WORD_BITS * (self.most_words + len(self._widths)) + 8 * len(self._widths)
-        return _all_clocks(np.asarray(words, np.uint32), self._layout, bits + SETUP_WORD_BITS)
+        place = np.zeros(1, _PLACE)[0]
+        return _all_clocks(np.asarray(words, np.uint32), place, self._layout, bits + SETUP_WORD_BITS)
 
     def feed(self, words: Sequence[int] | np.ndarray) -> np.ndarray:
         """
