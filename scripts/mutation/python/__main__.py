@@ -60,6 +60,13 @@ class Group:
         return digest(*contents, str(self.slow).encode())
 
 
+CHOICE = ("mix_counts_what_is_sent", "fits_reproduce_what_their_order_can", "fits_are_no_worse_than_sampling")
+CHOICE += ("bend_bounds_quadratic_against_plane", "refusals")
+COSINES = ("scenes_without_cosines", "small_triangles_are_known_by_their_pixels")
+COSINES += ("fits_reproduce_what_their_order_can", "equal_extremes_are_less_than_the_mean_squares")
+COSINES += ("nothing_seen_is_drawn_with_nothing", "triangles_without_a_pixel_cost_and_err_nothing")
+"""Quick tests of adapt."""
+
 GROUPS = {
     "packing": Group(("frame_file", "link_packing", "setup_recorded")),
     "contract": Group(
@@ -85,6 +92,7 @@ GROUPS = {
             "golden_shade",
             "golden_clocks::test_clocks_are_those_recorded",
             "golden_clocks::test_nothing_drawn_takes_no_clock",
+            "golden_line_clocks",
             "golden_link",
             "golden_sdram",
             "golden_video",
@@ -119,9 +127,10 @@ GROUPS = {
             "adapt_recorded",
             "adapt_highlight",
             "adapt_steps",
-            "adapt_curve",
-            "adapt_choice",
-            "adapt_cosines",
+            # The other tests of these files take more, each, than a mutant is given.
+            "adapt_curve::test_limits_are_round_numbers_a_few_per_cent_apart",
+            *(f"adapt_choice::test_{name}" for name in CHOICE),
+            *(f"adapt_cosines::test_{name}" for name in COSINES),
         ),
         more=("scene/subdivide.py", "scene/subdivide_loops.py"),
     ),
