@@ -64,12 +64,15 @@ class BoardClock:
     clk_frequency_hz, baud : int
     width, height : int
       Of the screen.
+    single_buffer : bool
+      A packet waits until none is drawn; HELLO says so.
     """
 
     clk_frequency_hz: int
     baud: int
     width: int
     height: int
+    single_buffer: bool = False
 
     def clocks_of_bytes(self, count: float) -> float:
         """Clocks that so many bytes take on the line."""
@@ -195,7 +198,8 @@ def packed_clocks(
     )
     starts, _, _, scanlines, _ = decode_packets(setup_words, formats.core)
     beats = np.diff(starts) // formats.beat_words
-    whole, busy = count_board_clocks(beats, scanlines.first_rows, scanlines.pixels, formats, line)
+    rows = (scanlines.first_rows, scanlines.pixels)
+    whole, busy = count_board_clocks(beats, *rows, formats, line, clock.single_buffer)
     return PictureClocks(sum(given), math.ceil(clock.clocks_of_bytes(sum(given))), whole, busy)
 
 
@@ -205,12 +209,10 @@ SHORTER = (1 / 8, 1 / 2)
 
 def uncounted(identity: Mapping[str, int]) -> list[str]:
     """Why a picture may take longer than is counted here, by HELLO's fields; for who has a deadline."""
-    found, words = [], identity["fifo_words"]
-    if words < LEAST_COUNTED:
-        found.append(f"a FIFO of {words} words makes the line pause")
-    if has_feature(identity, "single_buffer"):
-        found.append("single_buffer=1 makes packets wait for each other")
-    return [f"a picture may be late: {' and '.join(found)}, which is not counted"] if found else []
+    words = identity["fifo_words"]
+    if words >= LEAST_COUNTED:
+        return []
+    return [f"a picture may be late: a FIFO of {words} words makes the line pause, which is not counted"]
 
 
 class Watch:

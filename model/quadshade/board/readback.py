@@ -13,7 +13,7 @@ from quadshade.board.fallbacks import COLOURS, clear_word
 from quadshade.board.frame_time import BoardClock
 from quadshade.choices import parse_verify
 from quadshade.contract.formats import Formats
-from quadshade.contract.identity import colour_bits, plane_bytes
+from quadshade.contract.identity import colour_bits, has_feature, plane_bytes
 from quadshade.contract.protocol import PLANES
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import DrawnScreen
@@ -43,7 +43,8 @@ class BoardReader:
     def clock(self) -> BoardClock:
         """What a picture's time depends on."""
         baud = self._port.baud or self.session.default_baud
-        return BoardClock(self.identity["clk_frequency_hz"], baud, self.width, self.height)
+        size, single_buffer = (self.width, self.height), has_feature(self.identity, "single_buffer")
+        return BoardClock(self.identity["clk_frequency_hz"], baud, *size, single_buffer)
 
     def _check_size(self, width: int, height: int) -> None:
         for name, number in (("width", width), ("height", height)):

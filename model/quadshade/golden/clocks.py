@@ -31,13 +31,15 @@ class _Pipeline(NamedTuple):
     """
     What a drawing's clocks depend on beside the packets; see :func:`count_clocks`.
 
-    From beat ``words_beat`` on a packet writes differences.
+    From beat ``words_beat`` on a packet writes differences. With ``single_buffer`` a packet waits until none is
+    walked.
     """
 
     words_beat: int
     span_depth: int
     stall_period: int
     stages_behind: int
+    single_buffer: int
 
 
 @numba.njit(cache=True)
@@ -60,7 +62,7 @@ def _count_clocks(
 
     Behind a line from its first byte on until everything is done, also where no pixel comes out.
     """
-    words_beat, span_depth, stall_period, stages_behind = pipeline
+    words_beat, span_depth, stall_period, stages_behind, single_buffer = pipeline
     has_line = len(line.commands) > 0
     packets = len(beats)
     remaining_pixels = row_pixels.sum()
@@ -114,6 +116,8 @@ def _count_clocks(
         last_0 = valid_0 and row == end_row - 1
         take = walk and full and (not valid_0 or last_0) and not first_0 and not first_1
         ready = packet < packets and not full and not (beat >= words_beat and first_0)
+        if single_buffer and ready:
+            ready = not valid_0 and not _walks(stages, head)
         if has_line:
             moves = full or valid_0 or in_chain > 0 or left > 0 or clamped or front or spare or shown
             moves = moves or shown_spare or bool(behind.any()) or _walks(stages, head)
@@ -195,6 +199,7 @@ def count_clocks(
     formats: Formats,
     stall_period: int = 0,
     stages_behind: int = 0,
+    single_buffer: bool = False,
 ) -> int:
     """
     Clocks that the core takes: first set-up word accepted to last pixel out, both included.
@@ -212,6 +217,8 @@ def count_clocks(
       The sink is not ready in every n-th clock, counted from the first beat; 0: always ready.
     stages_behind : int
       Stages of the shade unit behind the core; 0: there is none.
+    single_buffer : bool
+      Generic of ``raster_core``.
 
     Returns
     -------
@@ -219,7 +226,7 @@ def count_clocks(
       0 where no pixel comes out.
     """
     words_beat = formats.section_beats("edge") - 1
-    pipeline = _Pipeline(words_beat, formats.span_depth, stall_period, stages_behind)
+    pipeline = _Pipeline(words_beat, formats.span_depth, stall_period, stages_behind, int(single_buffer))
     line, board = no_line()
     return int(_count_clocks(beats, first_rows, row_pixels, pipeline, line, board[0]))
 
@@ -230,6 +237,7 @@ def count_board_clocks(
     row_pixels: np.ndarray,
     formats: Formats,
     line: Line,
+    single_buffer: bool = False,
 ) -> tuple[int, int]:
     """
     Clocks that a board takes, which does nothing at first: from a picture's first bit until all is drawn.
@@ -239,6 +247,8 @@ def count_board_clocks(
     beats, first_rows, row_pixels, formats
       As for :func:`count_clocks`, with the shade unit where the formats have one.
     line : Line
+    single_buffer : bool
+      Generic of ``board``.
 
     Returns
     -------
@@ -246,7 +256,7 @@ def count_board_clocks(
       The second as STATUS counts them.
     """
     words_beat = formats.core.section_beats("edge") - 1
-    pipeline = _Pipeline(words_beat, formats.span_depth, 0, formats.shade_stages)
+    pipeline = _Pipeline(words_beat, formats.span_depth, 0, formats.shade_stages, int(single_buffer))
     board = np.zeros(1, PLACE)
     board["idle"] = 1
     clocks = _count_clocks(beats, first_rows, row_pixels, pipeline, line, board[0])

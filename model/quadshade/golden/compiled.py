@@ -117,7 +117,11 @@ def draw_packets(
 
 
 def draw_fast(
-    words: np.ndarray, formats: Formats, stall_period: int = 0, stages_behind: int = 0
+    words: np.ndarray,
+    formats: Formats,
+    stall_period: int = 0,
+    stages_behind: int = 0,
+    single_buffer: bool = False,
 ) -> EmittedPixels:
     """
     Draw a stream of set-up words, and predict the clocks.
@@ -131,6 +135,8 @@ def draw_fast(
       The sink is not ready in every n-th clock; 0: always ready.
     stages_behind : int
       Stages of a pipeline behind the core, which ends in a skid buffer; 0: the sink takes the core's pixels.
+    single_buffer : bool
+      Generic of ``raster_core``.
 
     Returns
     -------
@@ -144,5 +150,6 @@ def draw_fast(
     starts, packets, differences, scanlines, layout = decode_packets(words, formats)
     packet_of, x, y, value = _draw(packets, differences, scanlines, layout)
     beats = np.diff(starts) // formats.beat_words
-    clocks = count_clocks(beats, scanlines.first_rows, scanlines.pixels, formats, stall_period, stages_behind)
+    rows = (scanlines.first_rows, scanlines.pixels)
+    clocks = count_clocks(beats, *rows, formats, stall_period, stages_behind, single_buffer)
     return EmittedPixels(packet_of, x, y, value, clocks, len(packets))
