@@ -38,6 +38,9 @@ DRAWN = ("edge_dda", "load_adder")
 """Units with their diagram here; `make docs` simulates all of them."""
 
 WIDTHS = (400, 1400)
+ALIKE = ("reference/units/", "reference/python/")
+"""Folders of pages that one template writes: one of :data:`EVERY` is opened, which ones the seed says."""
+EVERY = 5
 WIDE = "return document.documentElement.scrollWidth"
 
 
@@ -137,8 +140,11 @@ def test_every_page_of_the_documentation_is_in_the_navigation(pages: dict[str, P
 def test_pages_are_readable(browser: webdriver.Chrome, address: str, pages: dict[str, Page]) -> None:
     """No page is wider than its window, none has an error on the console."""
     faults = []
-    for name in pages:
+    seed = int(os.environ.get("QUADSHADE_SEED", "1"))
+    for number, name in enumerate(pages):
         if name == "404.html" or name.startswith("source/"):
+            continue
+        if name.startswith(ALIKE) and (number + seed) % EVERY:
             continue
         browser.get(address + name)
         for width in WIDTHS:
