@@ -76,7 +76,7 @@ def test_a_checkout_in_a_folder_with_blanks_and_signs(
         shutil.copytree(ROOT / name, root / name)
     monkeypatch.setenv("QUADSHADE_ROOT", str(root))
     monkeypatch.setenv("CXX", "env A=1 g++ -m64 -DX='$a b'")
-    formats = Formats(num_channels=1, with_depth=0)
+    formats = Formats(num_channels=1, max_order=0, with_depth=0, word_width=20, frac_bits=8, coord_bits=8)
     words = triangle_words(formats, rng, 20)
     pictures = [draw_words(words, formats, engine) for engine in ("model", "ghdl", "verilator")]
     assert len(pictures[0].x)
