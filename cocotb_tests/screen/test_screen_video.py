@@ -60,7 +60,8 @@ class Config:
 
 CONFIGS = [
     Config(),
-    Config(with_depth=0, buffers=2, colour_bits=4, clocks_per_pixel=2, bank_words=4096),
+    # Fewer memories to simulate, for a whole frame passes.
+    Config(80, 60, coord_bits=7, with_depth=0, buffers=2, colour_bits=4, clocks_per_pixel=2, bank_words=4096),
 ]
 
 

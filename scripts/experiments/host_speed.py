@@ -55,7 +55,6 @@ from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "hostspeed.md"
 SCREEN = 1024
-PLAIN_SCENE = "sphere:690"
 PLAIN_TRIANGLES = 200
 SETUP_ROUNDS = 2000
 TARGETS = {
@@ -152,20 +151,20 @@ def peak_memory(stacks: int, slices: int) -> dict:
     }
 
 
-def plain_loops() -> dict:
+def plain_loops(scene: str) -> dict:
     """What the same functions do with compilation off: run in a process of its own."""
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    command = [sys.executable, "-m", "scripts.experiments.host_speed", "--plain"]
+    command = [sys.executable, "-m", "scripts.experiments.host_speed", "--plain", "--plain-scene", scene]
     done = run_to_end(command, ROOT, environment=environment)
     if done.returncode:
         raise QuadshadeError(f"the plain loops failed: {done.stderr.strip()}")
     return json.loads(done.stdout)
 
 
-def measure(scene: str, golden: int, slices: int, repeats: int) -> dict:
+def measure(scene: str, plain_scene: str, golden: int, slices: int, repeats: int) -> dict:
     """All numbers of the report."""
-    plain = plain_loops()
-    compiled = host_path(PLAIN_SCENE, False, 1)
+    plain = plain_loops(plain_scene)
+    compiled = host_path(plain_scene, False, 1)
     if compiled["words"] != plain["host_path"]["words"]:
         raise QuadshadeError("compiled and plain set-up differ", "this is a bug: please report it")
     return {
@@ -277,19 +276,23 @@ or the scalar golden model, measured in the same run, with the same words and pi
 
 @click.command()
 @click.option("--scene", default="sphere:317x317", show_default=True, help="Generated mesh of the host path.")
+@click.option("--plain-scene", default="sphere:690", show_default=True, help="The same for plain loops.")
 @click.option("--golden", default=10_000, show_default=True, help="Triangles of the golden model's frame.")
 @click.option("--slices", default=500, show_default=True, help="Slices of the spheres of up to 1001 stacks.")
 @click.option("--repeats", default=7, show_default=True, help="Repetitions, of which the fastest counts.")
 @output_option(REPORT)
 @click.option("--plain", is_flag=True, hidden=True, help="Print what runs with compilation off.")
 @one_line_errors(REPORT.stem)
-def main(scene: str, golden: int, slices: int, repeats: int, output: Path, plain: bool) -> None:
+def main(
+    scene: str, plain_scene: str, golden: int, slices: int, repeats: int, output: Path, plain: bool
+) -> None:
     """Measure the host's speed on one core and write the tables."""
     if plain:
-        print(json.dumps({**setups(1, 1), "host_path": host_path(PLAIN_SCENE, False, 1)}))
+        print(json.dumps({**setups(1, 1), "host_path": host_path(plain_scene, False, 1)}))
         return
-    command = command_line("host_speed", scene=scene, golden=golden, slices=slices, repeats=repeats)
-    results = {"command": command, "scene": scene} | measure(scene, golden, slices, repeats)
+    options = {"scene": scene, "plain_scene": plain_scene, "golden": golden, "slices": slices}
+    command = command_line("host_speed", **options, repeats=repeats)
+    results = {"command": command, "scene": scene} | measure(scene, plain_scene, golden, slices, repeats)
     console = Console()
     console.width = max(console.width, 120)
     for title, header, rows in sections(results):

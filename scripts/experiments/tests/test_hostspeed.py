@@ -16,14 +16,17 @@ from scripts.experiments import host_speed as hostspeed
 from scripts.experiments import setup_speed
 from scripts.experiments.report_writer import met
 
-SMALL = ["--scene", "sphere:168", "--golden", "50", "--slices", "3", "--repeats", "1"]
+SCENES = ["--scene", "sphere:168", "--plain-scene", "cube:1"]
+SMALL = [*SCENES, "--golden", "50", "--slices", "3", "--repeats", "1"]
 
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, str]:
     """The numbers and the text of a run over small meshes."""
     report = tmp_path_factory.mktemp("hostspeed") / "report.md"
-    result = CliRunner().invoke(hostspeed.main, [*SMALL, "--output", str(report)], catch_exceptions=False)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hostspeed, "SETUP_ROUNDS", 50)
+        result = CliRunner().invoke(hostspeed.main, [*SMALL, "--output", str(report)], catch_exceptions=False)
     assert result.exit_code == 0, result.output
     return json.loads(report.with_suffix(".json").read_text()), report.read_text()
 
@@ -98,9 +101,9 @@ def test_a_missed_target_is_called_so(value, most, word):
 
 def test_set_up_otherwise_than_in_the_plain_loop_is_an_error(monkeypatch):
     wrong = {"host_path": {"words": "other"}}
-    monkeypatch.setattr(hostspeed, "plain_loops", lambda: wrong)
+    monkeypatch.setattr(hostspeed, "plain_loops", lambda scene: wrong)
     with pytest.raises(QuadshadeError, match="differ"):
-        hostspeed.measure("sphere:168", 10, 3, 1)
+        hostspeed.measure("sphere:168", "sphere:24", 10, 3, 1)
 
 
 def test_golden_frame_is_of_the_size_it_says():
