@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from quadshade.contract.formats import Formats
-from quadshade.contract.protocol import LinkError, Opcode, Reason
+from quadshade.contract.protocol import SEQUENCES, BoardResetError, LinkError, Opcode, Reason
 from quadshade.golden.board import BoardModel
 from quadshade.link.faults import FaultInjector
-from quadshade.link.frames import enclosed, sealed
+from quadshade.link.frames import Frame, FrameParser, enclosed, sealed
 from quadshade.link.planes import read_picture
-from quadshade.link.session import Session
+from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, MemoryTransport, SerialTransport, open_transport
 from quadshade.packing.pack import pack_primitives
 from quadshade.scene import load_scene, parse_camera, project
@@ -61,6 +61,59 @@ def draw(session: Session, words: np.ndarray) -> np.ndarray:
     session.triangles(words)
     session.flush()
     return read_picture(session)
+
+
+class Recorder(MemoryTransport):
+    """Notes the frames of set-up words that are sent, in words, and loses those that it is told to."""
+
+    def __init__(self, board: BoardModel) -> None:
+        super().__init__(board.feed)
+        self.sizes: list[int] = []
+        self.lost = 0
+
+    def write(self, data: bytes) -> None:
+        for frame in FrameParser().feed(data):
+            if frame.opcode is Opcode.TRIANGLES:
+                self.sizes.append(len(frame.payload) // 4)
+        if self.lost:
+            self.lost -= 1
+        else:
+            super().write(data)
+
+
+def test_frames_are_halved_by_a_loss_and_doubled_by_sixty_five_that_arrive() -> None:
+    for clean, size in ((62, MAX_WORDS // 2), (63, MAX_WORDS)):
+        board = BoardModel(WIDTH, HEIGHT)
+        line = Recorder(board)
+        session = Session(line, answer_seconds=0.01)
+        session.connect()
+        line.lost = 1
+        session.triangles(np.zeros(MAX_WORDS, np.uint32))
+        session.flush()
+        assert line.sizes == [MAX_WORDS, MAX_WORDS // 2, MAX_WORDS // 2]
+        for _ in range(clean):
+            session.clear()
+            session.flush()
+        session.triangles(np.zeros(MAX_WORDS, np.uint32))
+        session.flush()
+        assert line.sizes[3] == size
+
+
+def test_a_board_that_was_reset_is_noticed_where_numbers_agree() -> None:
+    """After 256 frames both begin with number 0 again: the count of frames tells."""
+    board = BoardModel(WIDTH, HEIGHT)
+    line = Recorder(board)
+    session = Session(line, answer_seconds=0.01)
+    session.connect()
+    for _ in range(SEQUENCES):
+        session.clear()
+    session.flush()
+    board.feed(Frame(Opcode.RESET, 0, bytes(4)).encode())
+    line.lost = 1
+    session.clear(0x112233)
+    with pytest.raises(BoardResetError, match="lost the session"):
+        session.flush()
+    assert not board.drawing.words
 
 
 def test_a_scene_arrives(words: np.ndarray) -> None:

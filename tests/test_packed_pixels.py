@@ -11,9 +11,9 @@ import pytest
 
 from quadshade.board import Board, BoardSettings
 from quadshade.choices import VERIFIES
-from quadshade.contract.protocol import MAX_READ, LinkError
+from quadshade.contract.protocol import ESCAPE_ONES, MAX_READ, LinkError
 from quadshade.errors import QuadshadeError
-from quadshade.golden.link.pixel_packer import pack_pixels, packed_bits, predicted
+from quadshade.golden.link.pixel_packer import code_of, pack_pixels, packed_bits, predicted
 from quadshade.link.packed_pixels import unpack_pixels
 
 EXAMPLE = bytes((10,) * 9 + (12, 15, 18, 21))
@@ -42,6 +42,13 @@ def test_the_pages_example() -> None:
     assert packed_bits(EXAMPLE, 1) == bits
     assert pack_pixels(EXAMPLE, 1) == int(bits.ljust(32, "0"), 2).to_bytes(4, "big")
     assert check(EXAMPLE, 1) == 4
+
+
+def test_a_byte_takes_the_more_bits_the_further_it_is_from_what_was_predicted() -> None:
+    for residual in range(-4, 5):
+        ones = 2 * residual - 1 if residual > 0 else -2 * residual
+        code = "1" * ones + "0" if ones < ESCAPE_ONES else "1" * ESCAPE_ONES + "00010001"
+        assert code_of(0x11, residual % 256) == code
 
 
 @pytest.mark.parametrize("size", (1, 2, 3, 4))

@@ -68,7 +68,7 @@ COSINES += ("nothing_seen_is_drawn_with_nothing", "triangles_without_a_pixel_cos
 """Quick tests of adapt."""
 
 GROUPS = {
-    "packing": Group(("frame_file", "link_packing", "setup_recorded")),
+    "packing": Group(("frame_file", "link_packing", "setup_recorded", "vertices")),
     "contract": Group(
         (
             "setup_packet",
@@ -78,6 +78,7 @@ GROUPS = {
             "shade_file",
             "golden_shade",
             "link_packing",
+            "vertices",
             "lint::test_generated_package_is_current",
             "habits::test_version_is_a_release_with_its_definition",
         ),
@@ -93,6 +94,7 @@ GROUPS = {
             "golden_clocks::test_clocks_are_those_recorded",
             "golden_clocks::test_nothing_drawn_takes_no_clock",
             "golden_line_clocks",
+            "golden_axis",
             "golden_link",
             "golden_sdram",
             "golden_video",
@@ -121,7 +123,7 @@ GROUPS = {
         ),
         slow=0.7,
     ),
-    "link": Group(("link_transport", "link_frames", "link_session", "board_ports")),
+    "link": Group(("link_transport", "link_frames", "link_session", "board_ports", "packed_pixels")),
     "adapt": Group(
         (
             "adapt_recorded",
