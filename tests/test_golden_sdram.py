@@ -131,6 +131,32 @@ def test_what_the_data_sheet_forbids_is_refused(message: str) -> None:
         run(REFUSED[message])
 
 
+CLOCKS = {
+    "MT48LC16M16A2-75": (7.5, (3, 3, 6, 9, 9, 2, 2, 2)),
+    "AS4C16M16SA-7": (7.0, (3, 3, 6, 9, 9, 2, 2, 2)),
+}
+"""Shortest clock in nanoseconds, and t_rcd, t_rp, t_ras, t_rc, t_rfc, t_rrd, t_wr, t_mrd in clocks then."""
+
+
+@pytest.mark.parametrize("name", CLOCKS)
+def test_times_in_clocks_at_the_shortest(name: str) -> None:
+    period, clocks = CLOCKS[name]
+    names = ("t_rcd", "t_rp", "t_ras", "t_rc", "t_rfc", "t_rrd", "t_wr", "t_mrd")
+    timing = CHIPS[name]
+    assert tuple(timing.clocks(one, 1e9 / period) for one in names) == clocks
+    # A nanosecond more of what fills its clocks is a clock more; a clock at least, and two after a mode.
+    filled = [one for one, count in zip(names, clocks, strict=True) if getattr(timing, one) == count * period]
+    assert filled
+    for one in filled:
+        longer = replace(timing, **{one: getattr(timing, one) + 1})
+        assert longer.clocks(one, 1e9 / period) == timing.clocks(one, 1e9 / period) + 1
+    assert [timing.clocks(one, 1e6) for one in names] == [1] * 7 + [2]
+
+
+def test_pins_that_are_not_given_are_low_and_masked() -> None:
+    assert Pins(Command.READ) == (Command.READ, 0, 0, True, False, 0)
+
+
 def test_other_times_that_a_data_sheet_may_have() -> None:
     with pytest.raises(SdramFault, match="t_rc is 9"):
         run([*OPEN, step(5, Command.PRECHARGE, 1), step(3, Command.ACTIVE, 1)], t_rc=81)

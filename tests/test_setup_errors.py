@@ -10,7 +10,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.setup.edges import cut_triangles
-from quadshade.setup.triangle_setup import _first_misfit, setup_triangles
+from quadshade.setup.triangle_setup import _check_words, _first_misfit, setup_triangles
 from tests.support.setup_reference import screen_triangles, walk
 
 FORMATS = Formats(coord_bits=6)
@@ -196,6 +196,22 @@ def test_how_far_a_value_may_stray(order: int, stray: float) -> None:
         for limit in (reach - 0.1, reach + 0.1):
             given = (cut.heads, sign * samples, np.array([[order]]), np.array([[3.0]]), np.array([limit]))
             assert _first_misfit(*given) == ((0, 0) if limit < reach else (-1, -1))
+
+
+@pytest.mark.parametrize(
+    "generics", ({"word_width": 20, "frac_bits": 10}, {"word_width": 36, "frac_bits": 26})
+)
+def test_words_of_every_width_have_their_limit(generics: dict[str, int]) -> None:
+    """Nine bits before the point, with the sign: a value of 511 fits, half a level more does not."""
+    formats = Formats(num_channels=1, with_depth=0, **generics)
+    cut = cut_triangles(np.array([BIG]), 64, 64, 8)
+    for value in (511.0, 512.0):
+        given = (cut, np.full((1, 1, 6), value), np.zeros((1, 1), np.int64), np.zeros((1, 1)), formats)
+        if value < 511.5:
+            _check_words(*given)
+        else:
+            with pytest.raises(QuadshadeError, match=f"its word of {generics['word_width']} bits"):
+                _check_words(*given)
 
 
 @pytest.mark.parametrize(

@@ -208,7 +208,9 @@ def test_a_board_that_is_not_fit_says_why(board: Formats, reason: str) -> None:
 def test_sizes_that_no_core_addresses() -> None:
     assert picture_formats([ICEBREAKER], 1920, 1080).coord_bits == 11
     assert picture_formats([Formats(coord_bits=6)], 64, 64).coord_bits == 6
-    for size in ((8193, 1), (0, 5)):
+    for size in ((8192, 1), (1, 8192), (1, 1)):
+        assert picture_formats([Formats()], *size).coord_bits == max(12, (max(size) - 1).bit_length())
+    for size in ((8193, 1), (1, 8193), (0, 5), (5, 0)):
         with pytest.raises(QuadshadeError, match="give 1x1 to 8192x8192"):
             picture_formats([Formats()], *size)
 
