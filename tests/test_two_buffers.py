@@ -207,12 +207,12 @@ def test_thresholds_are_bayers() -> None:
     assert np.array_equal(thresholds(x, y), np.tile(bayer(2), (2, 2)))
 
 
-@pytest.mark.parametrize("colour_bits", [6, 4])
+@pytest.mark.parametrize("colour_bits", [6, 5, 4])
 def test_dithering_keeps_the_mean_and_flat_colours(colour_bits: int) -> None:
     y, x = np.indices((4, 4))
     values = np.broadcast_to(np.arange(256)[:, None, None, None], (256, 4, 4, 3))
     there = kept_colours(values, thresholds(x, y), colour_bits)
-    for channel, bits in enumerate((colour_bits, 5 if colour_bits == 6 else 4, colour_bits)):
+    for channel, bits in enumerate((colour_bits, {6: 5, 5: 6, 4: 4}[colour_bits], colour_bits)):
         # What n bits can show: they themselves, and again below, to eight.
         levels = np.array([int((3 * f"{level:0{bits}b}")[:8], 2) for level in range(1 << bits)])
         assert set(np.unique(there[..., channel])) == set(levels)

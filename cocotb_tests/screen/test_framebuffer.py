@@ -64,7 +64,7 @@ CONFIGS = [
     Config(width=1, height=1, value_bits=8),
     Config(value_bits=8, single_port=1),
     Config(width=9, height=7, buffers=2, colour_bits=4),
-    Config(buffers=2, colour_bits=6),
+    Config(buffers=2, colour_bits=5),
     Config(value_bits=32, colour_bits=6),
     Config(width=1, height=1, coord_bits=1, value_bits=8, buffers=2, colour_bits=4),
 ]

@@ -26,7 +26,7 @@ entity framebuffer is
     single_port : natural := 0;
     -- 2: one is drawn while the other is shown.
     buffers : positive := 1;
-    -- 8, or of a value of whole bytes 6 (channel 1 five) or 4: see screen_pkg.
+    -- 8, or of a value of whole bytes 6 (channel 1 five), 5 (channel 1 six) or 4: see screen_pkg.
     colour_bits : positive := 8;
     -- Of block_ram.
     bank_words : positive := 16384
@@ -90,9 +90,9 @@ begin
   assert buffers = 1 or (buffers = 2 and single_port = 0)
     report "framebuffer: buffers is " & integer'image(buffers) & ", must be 1, or 2 with two ports"
     severity failure;
-  assert colour_bits = 8 or ((colour_bits = 6 or colour_bits = 4) and value_bits mod 8 = 0)
+  assert colour_bits = 8 or (colour_bits >= 4 and colour_bits <= 6 and value_bits mod 8 = 0)
     report "framebuffer: colour_bits is " & integer'image(colour_bits)
-      & ", must be 8, or 6 or 4 of whole bytes"
+      & ", must be 8, or 4 to 6 of whole bytes"
     severity failure;
 
   accept <= pixel_valid and not closed;

@@ -12,7 +12,8 @@ package screen_pkg is
   -- y * width without a multiplier: one adder less than the width has ones.
   function row_address(y : u_unsigned; width : positive; bits : positive) return u_unsigned;
 
-  -- Bits that are kept of a channel: colour_bits, but of channel 1 five where they are 6. Of all channels.
+  -- Bits that are kept of a channel: colour_bits, but of channel 1 five where they are 6, and six where they
+  -- are 5. Of all channels.
   function channel_bits(channel : natural; colour_bits : positive) return positive;
   function kept_bits(value_bits : positive; colour_bits : positive) return positive;
 
@@ -44,8 +45,8 @@ package body screen_pkg is
 
   function channel_bits(channel : natural; colour_bits : positive) return positive is
   begin
-    if colour_bits = 6 and channel = 1 then
-      return 5;
+    if channel = 1 and (colour_bits = 6 or colour_bits = 5) then
+      return 11 - colour_bits;
     end if;
     return colour_bits;
   end function;

@@ -13,8 +13,8 @@ HALF_STEP = 8
 
 
 def channel_bits(channel: int, colour_bits: int) -> int:
-    """Bits that are kept of a channel: ``colour_bits``, but 5 of channel 1 where they are 6."""
-    return 5 if colour_bits == 6 and channel == 1 else colour_bits
+    """Bits that are kept of a channel: ``colour_bits``, but of channel 1 five where they are 6, and six for 5."""
+    return 11 - colour_bits if channel == 1 and colour_bits in (5, 6) else colour_bits
 
 
 def thresholds(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ def kept_colours(value: np.ndarray, threshold: np.ndarray | int, colour_bits: in
     threshold : (...) int or int
       0 .. 15: :func:`thresholds` of the places, or ``HALF_STEP``.
     colour_bits : int
-      8, 6 (of channel 1 five) or 4.
+      8, 6 (of channel 1 five), 5 (of channel 1 six) or 4.
 
     Returns
     -------
