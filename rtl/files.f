@@ -43,12 +43,16 @@ rtl/shade/render_core.vhd
 rtl/screen/screen_pkg.vhd
 rtl/screen/depth_test.vhd
 rtl/screen/sdram_depth_test.vhd
+rtl/screen/sdram_line_fetch.vhd
+rtl/screen/sdram_read_out.vhd
 rtl/screen/framebuffer.vhd
 rtl/screen/read_out.vhd
 rtl/screen/edge_map.vhd
 rtl/screen/plane_reader.vhd
+rtl/screen/plane_requests.vhd
 rtl/screen/tmds_encoder.vhd
 rtl/screen/scan_out.vhd
 rtl/screen/screen.vhd
+rtl/screen/sdram_screen.vhd
 rtl/board.vhd
 rtl/quadshade_axis.vhd

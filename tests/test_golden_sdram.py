@@ -22,8 +22,12 @@ from quadshade.golden.common.sdram_chip import (
     SdramFault,
 )
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
-from quadshade.golden.screen.framebuffer import draw_pixels
-from quadshade.golden.screen.sdram_depth_test import Pixel, SdramDepthTest
+from quadshade.golden.screen.framebuffer import HALF_STEP, draw_pixels, kept_colours, thresholds
+from quadshade.golden.screen.screen import Screen
+from quadshade.golden.screen.sdram_depth_test import DEPTH_PLANE, Pixel, SdramDepthTest
+from quadshade.golden.screen.sdram_line_fetch import line_runs, most_line_clocks
+from quadshade.golden.screen.sdram_read_out import area_runs
+from quadshade.golden.screen.sdram_screen import SdramScreen, colour_words
 
 MHZ_100 = 100e6
 MODE = 0x30
@@ -272,3 +276,41 @@ def test_too_few_refreshes_are_refused() -> None:
     assert traffic(replace(SHORT, row_bits=11), SdramChip(timing, MHZ_100, 1000), 3000) > 100
     with pytest.raises(SdramFault, match="a row was not refreshed"):
         traffic(replace(SHORT, refresh_clocks=64), SdramChip(timing, MHZ_100, 1000), 3000)
+
+
+def test_a_picture_in_sdram_is_the_one_in_block_ram(rng: np.random.Generator) -> None:
+    """Word by word through the z-buffer's model, which keeps what the units write; two pictures and a swap."""
+    width, height, count, bits = 12, 5, 400, 5
+    screen, memory = SdramScreen(width, height, colour_bits=bits), SdramDepthTest(width, height, run_words=4)
+    other = Screen(width, height, 3, 15, False, bits)
+    for plane in (1, 0):
+        memory.plane = plane
+        memory.clear(0)
+    for ground in (0x0A6432, 0xFFC800):
+        for one in (screen, other):
+            one.clear(ground)
+        value = np.array(list(ground.to_bytes(3, "little")))
+        memory.clear(int(colour_words(kept_colours(value, HALF_STEP, bits), bits)))
+        x, y = (rng.integers(0, most, count) for most in (width + 2, height + 1))
+        value, depth = rng.integers(0, 256, (count, 3)), rng.integers(0, 1 << 15, count)
+        for one in (screen, other):
+            one.draw(x, y, value, depth)
+        words = colour_words(kept_colours(value, thresholds(x, y), bits), bits)
+        for pixel in zip(x.tolist(), y.tolist(), words.tolist(), depth.tolist(), strict=True):
+            memory.draw(Pixel(*pixel))
+        got = screen.memory()
+        assert {place: got[place] for place in memory.words} == memory.words
+        assert [screen.frame_crc(plane) for plane in (0, 1)] == [other.frame_crc(plane) for plane in (0, 1)]
+        for one in (screen, other):
+            one.swap()
+        memory.plane = 1 - memory.plane
+    assert got[DEPTH_PLANE].max() == (1 << 16) - 1, "some places were not drawn"
+
+
+def test_runs_of_scanlines_and_areas() -> None:
+    assert line_runs(1, 2, 12, 5, 4) == [Run(1 << 7 | 2 << 4 | x, 3) for x in (0, 4, 8)]
+    found = list(area_runs(2, 3, 3, 6, 12, 5, 4))
+    places = [run.address + index for run in found for index in range(run.more + 1)]
+    assert places == [2 << 7 | y << 4 | x for y in (3, 4) for x in range(3, 9)]
+    assert [run.more + 1 for run in found] == [1, 4, 1] * 2
+    assert most_line_clocks(640, SdramGenerics()) == 862

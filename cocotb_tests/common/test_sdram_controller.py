@@ -19,6 +19,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.resets import at_random
+from cocotb_tests.support.sdram import pins_of
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.sdram_chip import CHIPS, Command, Pins, SdramChip
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
@@ -95,14 +96,6 @@ class Port:
             asks = next(self.go) and (self.name == "second" or bench.chance(0.05))
             self.wanted = run if asks else None
             getattr(self.dut, f"{self.name}_valid").value = int(self.wanted is not None)
-
-
-def pins_of(bench: Bench) -> Pins:
-    """What the chip sees; before the first command some of it is unknown."""
-    dut = bench.dut
-    command = int(dut.sdram_ras_n.value) << 2 | int(dut.sdram_cas_n.value) << 1 | int(dut.sdram_we_n.value)
-    names = ("bank", "address", "mask", "drive", "data_out")
-    return Pins(Command(command), *(bench.unqualified(getattr(dut, f"sdram_{name}")) for name in names))
 
 
 def used(pins: Pins) -> Pins:

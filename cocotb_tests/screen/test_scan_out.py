@@ -51,6 +51,8 @@ CONFIGS = [
     Config(num_channels=1, read_stages=3, clocks_per_pixel=5),
     Config(width=24, height=18, clocks_per_pixel=1),
     Config(width=4, height=3, clocks_per_pixel=2),
+    Config(read_stages=0),
+    Config(width=24, height=18, read_stages=0, clocks_per_pixel=3),
 ]
 
 
@@ -64,7 +66,10 @@ class Monitor:
 
     def __init__(self, bench: Bench) -> None:
         self.bench, self.timing = bench, bench.config.timing
-        self.memory = BlockRam(bench.config.read_stages)
+        self.memory = BlockRam(max(bench.config.read_stages, 2))
+        # Of values that come one by one: those of the scanline that is wanted, and which it is.
+        self.coming: list[int] = []
+        self.row = 0
         self.words: list[tuple[int, ...]] = []
         # Pixels since the frame's begin; whether it is blank, as the port says a cycle later.
         self.place, self.blank = 0, False
@@ -81,9 +86,14 @@ class Monitor:
     async def cycle(self, may_read: bool = True) -> None:
         """One clock; others have the memory if not `may_read`."""
         dut, bench = self.bench.dut, self.bench
+        if bench.config.read_stages == 0:
+            may_read = may_read and bool(self.coming) and bench.chance(0.9)
+            dut.read_value.value = self.coming.pop(0) if may_read else bench.bits(8)
+        else:
+            dut.read_value.value = self.memory.read_data or 0
         dut.may_read.value = int(may_read)
-        dut.read_value.value = self.memory.read_data or 0
         await bench.edge()
+        self.follow()
         bench.check("blank", bool(dut.blank.value), self.blank, self.place)
         if self.blank:
             bench.check("nothing is read while it is blank", bool(dut.reads.value), False, self.place)
@@ -94,11 +104,21 @@ class Monitor:
             word = int(dut.words.value)
             self.words.append(tuple(word >> 10 * channel & 0x3FF for channel in range(3)))
         address = bench.draw.randrange(len(self.memory.words))
-        if dut.reads.value:
+        if dut.reads.value and bench.config.read_stages:
             bench.check("reads only where it may", may_read, True)
             address = int(dut.read_address.value)
             bench.check("address is of the picture", address < len(self.memory.words), True, address)
         self.memory.clock(None, address)
+
+    def follow(self) -> None:
+        """Which scanline is wanted now, if its values come one by one."""
+        dut, width = self.bench.dut, self.bench.config.width
+        if dut.line_start.value:
+            self.row = 0 if dut.line_first.value else self.row + 1
+            addresses = range(self.row * width, (self.row + 1) * width)
+            self.coming = [self.memory.words[address] for address in addresses]
+        if dut.reset.value:
+            self.row, self.coming = 0, []
 
     async def until(self, frames: int, line: int, chance: float = 0.0) -> None:
         """Up to the first word of a line of a frame; now and then others read for a while."""

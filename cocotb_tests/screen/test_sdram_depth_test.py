@@ -17,9 +17,9 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource, full_speed
 from cocotb_tests.support.resets import reset_amid
+from cocotb_tests.support.sdram import Memory, words_of
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.golden.common.sdram_chip import CHIPS, SdramChip
-from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
+from quadshade.golden.common.sdram_controller import Run, SdramGenerics
 from quadshade.golden.screen.sdram_depth_test import DEPTH_PLANE, Pixel, SdramDepthTest, span_clocks
 
 INPUTS = (
@@ -53,58 +53,19 @@ def test_sdram_depth_test(config: Config) -> None:
     simulate("sdram_depth_test", config)
 
 
-class Memory:
-    """The controller's model, the chip, and the unit's ports of them."""
-
-    def __init__(self, bench: Bench, beside: float) -> None:
-        self.bench, self.dut, self.beside = bench, bench.dut, beside
-        config = bench.config
-        self.generics = SdramGenerics(
-            data_bits=config.data_bits, run_words=config.run_words, refresh_clocks=150, power_up_refreshes=2
-        )
-        self.controller = SdramController(self.generics)
-        self.chip = SdramChip(CHIPS["AS4C16M16SA-7"], 100e6, 1000)
-        self.first: Run | None = None
-        self.runs: list[Run] = []
-        self.accepted: list[int] = []
-
-    async def edge(self) -> None:
-        """One clock of all three."""
-        dut, controller, config = self.dut, self.controller, self.bench.config
-        if self.first is None and self.bench.chance(self.beside):
-            self.first = Run(0, self.bench.draw.randrange(config.run_words))
-        given = self.chip.data
-        dut.run_ready.value = int(controller.free and self.first is None)
-        dut.read_valid.value = int(controller.coming[0] == 1)
-        if controller.read_data is not None:
-            dut.read_data.value = controller.read_data
-        dut.write_next.value = int(controller.write_next)
-        await self.bench.edge()
-        second = None
-        if dut.run_valid.value:
-            address, more = int(dut.run_address.value), int(dut.run_more.value)
-            second = Run(address, more, bool(dut.run_write.value))
-        word, keeps = 0, False
-        if controller.write_next:
-            word, keeps = int(dut.write_data.value), bool(dut.write_keep.value)
-        if controller.free and self.first is None and second is not None:
-            self.runs.append(second)
-            self.accepted.append(self.bench.cycle)
-        taken = controller.free and self.first is not None
-        self.chip.clock(controller.pins)
-        controller.clock(self.first, second, word, given, keeps)
-        if taken:
-            self.first = None
+def memory_of(bench: Bench, beside: float) -> Memory:
+    """The memory behind the unit."""
+    config = bench.config
+    generics = SdramGenerics(
+        data_bits=config.data_bits, run_words=config.run_words, refresh_clocks=150, power_up_refreshes=2
+    )
+    return Memory(bench, generics, beside)
 
 
 def in_chip(memory: Memory, model: SdramDepthTest) -> dict[tuple[int, int, int], int]:
     """The words of the chip, where the model has some."""
-    generics, found = memory.generics, {}
-    for place in model.words:
-        page, column = divmod(model.address(*place), 1 << generics.column_bits)
-        row, bank = divmod(page, 1 << generics.bank_bits)
-        found[place] = memory.chip.words.get((bank, row, column), -1)
-    return found
+    words = words_of(memory.chip, memory.generics, (model.address(*place) for place in model.words))
+    return dict(zip(model.words, words, strict=True))
 
 
 def random_pixels(bench: Bench, count: int) -> Iterator[Pixel]:
@@ -136,7 +97,7 @@ def source_of(bench: Bench, pixels: list[Pixel], speed: str) -> StreamSource:
 async def drawn(bench: Bench, speed: str, rounds: int, spans: int, beside: float) -> None:
     """A fill by reset, then pictures: each is compared whole."""
     dut, config = bench.dut, bench.config
-    memory = Memory(bench, beside)
+    memory = memory_of(bench, beside)
     model = SdramDepthTest(config.width, config.height, config.depth_bits, config.data_bits, config.run_words)
     value = 0
     model.clear(value)
@@ -196,7 +157,7 @@ async def runs(dut: Any) -> None:
     """Without gaps the runs are those of whole spans: depths read, and what is nearer written."""
     bench = Bench(dut, Config, "runs")
     await bench.start(*INPUTS)
-    config, memory = bench.config, Memory(bench, 0.0)
+    config, memory = bench.config, memory_of(bench, 0.0)
     model = SdramDepthTest(config.width, config.height, config.depth_bits, config.data_bits, config.run_words)
     model.clear(0)
     while not dut.idle.value:

@@ -3,7 +3,8 @@
 -- The picture on a monitor: words of three TMDS data channels, pixel after pixel of 640 x 480, every pixel of
 -- the framebuffer as a square of them. A scanline is fetched while the one above it is shown, in a burst of a
 -- clock a pixel; while the framebuffer is read by others nothing is, and that scanline is black. What a swap
--- of two buffers waits for is said too: the vertical blank, in which nothing is fetched.
+-- of two buffers waits for is said too: the vertical blank, in which nothing is fetched. With read_stages = 0
+-- nobody is asked by address: a scanline's values come one by one, and it is black if they come too late.
 --
 -- Model: scan_out.py.  Test: test_scan_out.py.
 -- Latency: a scanline and 7 pixels.  A pixel per clocks_per_pixel cycles.
@@ -20,8 +21,8 @@ entity scan_out is
     height : positive := 240;
     -- A channel is a byte: red, green, blue, or grey.
     num_channels : positive := 3;
-    -- Enabled cycles from an address to its value.
-    read_stages : positive := 5;
+    -- Enabled cycles from an address to its value; 0: may_read says that the next value is there.
+    read_stages : natural := 5;
     clocks_per_pixel : positive := 4;
     -- What is shown, then a rest, the pulse, a rest.
     columns : positive := 640;
@@ -44,6 +45,9 @@ entity scan_out is
     reads : out std_ulogic;
     read_address : out u_unsigned(address_bits(width * height) - 1 downto 0);
     read_value : in u_unsigned(8 * num_channels - 1 downto 0);
+    -- The next scanline's values are wanted from now on; it is the picture's first one.
+    line_start : out std_ulogic;
+    line_first : out std_ulogic;
 
     -- Blue with both pulses, green, red; new in the cycle after one with word_next.
     word_next : out std_ulogic;
@@ -83,6 +87,7 @@ architecture rtl of scan_out is
 
   -- What is fetched, and whether all of it was, of both line buffers.
   signal starts, fetching, filled : std_ulogic := '0';
+  signal begins_whole : std_ulogic;
   signal whole : std_ulogic_vector(0 to 1) := (others => '0');
   signal address : u_unsigned(address_width - 1 downto 0) := (others => '0');
   signal index : index_t := (others => '0');
@@ -172,17 +177,25 @@ begin
     end if;
   end process;
 
+  begins_whole <= '1' when read_stages /= 0 else '0';
+
   fetch : process (clk)
   begin
     if rising_edge(clk) then
       asked <= (fetching and may_read) & asked(1 to read_stages);
       indices <= index & indices(1 to read_stages);
       fetched <= std_ulogic_vector(read_value);
-      if fetching = '1' then
+      if fetching = '1' and (may_read = '1' or read_stages /= 0) then
         address <= address + 1;
         index <= index + 1;
         if index = width - 1 then
           fetching <= '0';
+          -- Not where it is shown already.
+          if read_stages = 0 and filled = '1' and shown = '0' then
+            whole(1) <= '1';
+          elsif read_stages = 0 and filled = '0' and (shown = '1' or line = all_lines - 1) then
+            whole(0) <= '1';
+          end if;
         end if;
         -- An address of the next scanline stands there even if this one is not whole.
         if may_read = '0' then
@@ -200,11 +213,11 @@ begin
         if line = all_lines - 1 then
           address <= (others => '0');
           filled <= '0';
-          whole(0) <= '1';
+          whole(0) <= begins_whole;
         elsif shown = '1' then
-          whole(0) <= '1';
+          whole(0) <= begins_whole;
         else
-          whole(1) <= '1';
+          whole(1) <= begins_whole;
         end if;
       end if;
       if reset = '1' then
@@ -218,6 +231,8 @@ begin
 
   reads <= fetching and may_read;
   read_address <= address;
+  line_start <= starts;
+  line_first <= '1' when line = all_lines - 1 else '0';
   write_place <= place_of(filled, indices(read_stages + 1));
 
   lines_inst : entity work.block_ram

@@ -76,7 +76,7 @@ entity screen is
     frame_crc_valid : in std_ulogic;
     frame_crc_ready : out std_ulogic;
     frame_crc_plane : in u_unsigned(1 downto 0);
-    frame_crc_done : out std_ulogic := '0';
+    frame_crc_done : out std_ulogic;
     frame_crc_value : out std_ulogic_vector(31 downto 0);
 
     -- Of scan_out.
@@ -92,27 +92,19 @@ architecture rtl of screen is
   constant value_bits : positive := 8 * num_channels;
   constant depth_bytes : natural := with_depth * ((depth_bits + 7) / 8);
   constant data_bytes : positive := num_channels + depth_bytes;
-  -- Bytes of the largest plane.
-  constant count_bits : positive := address_bits(4 * num_pixels + 1);
 
   subtype coord_t is u_unsigned(coord_bits - 1 downto 0);
-  type place_t is (rest, begins, runs, ends);
 
   signal kept_valid, kept_ready, depth_ready, depth_idle, framebuffer_idle : std_ulogic;
   signal kept_x, kept_y : coord_t;
   signal kept_value, stored_value : u_unsigned(value_bits - 1 downto 0);
-  signal clear, clear_picture, quiet, held, blank, swap : std_ulogic;
+  signal clear, clear_picture, free, quiet, held, blank, swap : std_ulogic;
 
-  signal place : place_t := rest;
-  signal plane : u_unsigned(1 downto 0) := (others => '0');
-  signal summing : std_ulogic := '0';
+  signal plane : u_unsigned(1 downto 0);
   -- The area, and what is read for it: for edges that is the whole frame.
-  signal x, y, area_x, area_y : coord_t := (others => '0');
-  signal columns, area_width : u_unsigned(coord_bits downto 0) := (others => '0');
-  signal count : u_unsigned(count_bits - 1 downto 0) := (others => '0');
-  signal starting, take_read, take_crc : std_ulogic;
-  -- A register, which reaches units that are far apart: with `ends`, and a clock after a reset.
-  signal reader_reset : std_ulogic := '0';
+  signal x, y, area_x, area_y : coord_t;
+  signal columns, area_width : u_unsigned(coord_bits downto 0);
+  signal starting, reader_reset : std_ulogic;
 
   signal memory_enable : std_ulogic;
   signal memory_address, area_address, scan_address : u_unsigned(address_width - 1 downto 0);
@@ -121,9 +113,6 @@ architecture rtl of screen is
   signal stored, area_data : u_unsigned(8 * data_bytes - 1 downto 0);
   signal area_valid, area_taken, chosen_valid, chosen_ready : std_ulogic;
   signal edges : u_unsigned(8 * edge_bytes - 1 downto 0);
-  signal byte_valid, byte_ready, byte_last, byte_summed, crc_busy : std_ulogic;
-  signal byte_data : std_ulogic_vector(7 downto 0);
-  signal crc : std_ulogic_vector(31 downto 0);
 
 begin
 
@@ -140,9 +129,7 @@ begin
     report "screen: a memory of one port cannot be read for a monitor while pixels are drawn"
     severity failure;
 
-  -- No pixel comes from the cycle on in which a request is taken.
-  held <= '1' when place /= rest or take_read = '1' or take_crc = '1' else '0';
-  quiet <= depth_idle and framebuffer_idle when place = rest else '0';
+  free <= depth_idle and framebuffer_idle;
   idle <= quiet;
   clear_ready <= quiet;
   clear <= clear_valid and quiet;
@@ -200,65 +187,26 @@ begin
       show_address => scan_address, show_value => shown_value
     );
 
-  -- Requests, one after the other.
-  take_read <= read_valid and quiet;
-  take_crc <= frame_crc_valid and quiet and not read_valid;
-  read_ready <= quiet;
-  frame_crc_ready <= quiet and not read_valid;
+  requests_inst : entity work.plane_requests
+    generic map (
+      width => width, height => height, coord_bits => coord_bits, num_channels => num_channels,
+      depth_bytes => depth_bytes, crc_cycles => crc_cycles
+    )
+    port map (
+      clk => clk, reset => reset, read_reset => read_reset, free => free, quiet => quiet, held => held,
+      resting => resting,
+      read_valid => read_valid, read_ready => read_ready, read_x => read_x, read_y => read_y,
+      read_width => read_width, read_count => read_count, read_plane => read_plane,
+      read_data_valid => read_data_valid, read_data_ready => read_data_ready, read_data => read_data,
+      frame_crc_valid => frame_crc_valid, frame_crc_ready => frame_crc_ready,
+      frame_crc_plane => frame_crc_plane, frame_crc_done => frame_crc_done,
+      frame_crc_value => frame_crc_value,
+      area_start => starting, area_stop => reader_reset, area_x => x, area_y => y, area_width => columns,
+      area_plane => plane,
+      pixel_valid => chosen_valid, pixel_ready => chosen_ready, pixel_data => area_data,
+      pixel_edges => edges
+    );
 
-  requests : process (clk)
-  begin
-    if rising_edge(clk) then
-      frame_crc_done <= '0';
-      reader_reset <= '0';
-      -- No case statement: GHDL 2.0 gives one of four places no default, and Yosys a latch.
-      if place = rest then
-        x <= resize(read_x, coord_bits);
-        y <= resize(read_y, coord_bits);
-        columns <= resize(read_width, coord_bits + 1);
-        count <= resize(read_count, count_bits);
-        plane <= read_plane;
-        summing <= '0';
-        if take_crc = '1' then
-          x <= (others => '0');
-          y <= (others => '0');
-          columns <= to_unsigned(width, coord_bits + 1);
-          count <= to_unsigned(num_pixels * num_channels, count_bits);
-          if frame_crc_plane(1) = '1' then
-            count <= to_unsigned(num_pixels * edge_bytes, count_bits);
-          elsif frame_crc_plane(0) = '1' then
-            count <= to_unsigned(num_pixels * depth_bytes, count_bits);
-          end if;
-          plane <= frame_crc_plane;
-          summing <= '1';
-        end if;
-        if take_read = '1' or take_crc = '1' then
-          place <= begins;
-        end if;
-      elsif place = begins then
-        place <= runs;
-      elsif place = runs then
-        if byte_valid = '1' and byte_ready = '1' and byte_last = '1' then
-          place <= ends;
-          reader_reset <= '1';
-        end if;
-      else
-        -- What was read beyond the area is forgotten.
-        reader_reset <= crc_busy;
-        if crc_busy = '0' then
-          frame_crc_done <= summing;
-          place <= rest;
-        end if;
-      end if;
-      if reset = '1' or read_reset = '1' then
-        place <= rest;
-        frame_crc_done <= '0';
-        reader_reset <= '1';
-      end if;
-    end if;
-  end process;
-
-  starting <= '1' when place = begins else '0';
   area_x <= x when plane(1) = '0' else (others => '0');
   area_y <= y when plane(1) = '0' else (others => '0');
   area_width <= columns when plane(1) = '0' else to_unsigned(width, coord_bits + 1);
@@ -277,7 +225,6 @@ begin
       crc => open
     );
 
-  resting <= '1' when place = rest and reader_reset = '0' else '0';
   -- With two buffers the monitor has a port of its own.
   memory_address <= scan_address when scan_reads = '1' and buffers = 1 else area_address;
   scan_free <= resting when buffers = 1 else '1';
@@ -368,29 +315,5 @@ begin
     chosen_valid <= area_valid;
     edges <= (others => '0');
   end generate;
-
-  bytes_inst : entity work.plane_reader
-    generic map (value_bytes => num_channels, depth_bytes => depth_bytes, count_bits => count_bits)
-    port map (
-      clk => clk, reset => reader_reset,
-      request_valid => starting, request_ready => open, request_plane => plane, request_count => count,
-      pixel_valid => chosen_valid, pixel_ready => chosen_ready, pixel_data => area_data,
-      pixel_edges => edges,
-      byte_valid => byte_valid, byte_ready => byte_ready, byte_last => byte_last, byte_data => byte_data
-    );
-
-  byte_ready <= not crc_busy when summing = '1' else read_data_ready;
-  read_data_valid <= byte_valid and not summing and not reader_reset;
-  read_data <= byte_data;
-  byte_summed <= byte_valid and summing and not crc_busy;
-
-  crc_inst : entity work.crc32
-    generic map (cycles => crc_cycles)
-    port map (
-      clk => clk, clear => starting, byte_valid => byte_summed, byte_data => byte_data, busy => crc_busy,
-      crc => crc
-    );
-
-  frame_crc_value <= crc;
 
 end architecture;
