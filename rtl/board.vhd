@@ -43,7 +43,7 @@ entity board is
     clocks_per_pixel : positive := 4;
     -- 2: one buffer is shown while the other is drawn, until SWAP.
     buffers : positive := 1;
-    -- Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
+    -- Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five), 5 (six) or 4.
     colour_bits : positive := 8;
     -- pixel_packer, so that reading takes fewer bytes on the line.
     with_packed_read : natural := 1;
@@ -51,6 +51,11 @@ entity board is
     bank_words : positive := 16384;
     -- vertex_unpacker, so that triangles take fewer bytes on the line.
     with_vertices : natural := 0;
+    -- 1: sdram_screen, two buffers in the chip at the pins; its organisation, and clocks between refreshes.
+    with_sdram : natural := 0;
+    sdram_row_bits : positive := 13;
+    sdram_column_bits : positive := 9;
+    sdram_refresh_clocks : positive := 780;
     -- For small devices: STATUS counts in fewer bits; the core has no room for the next packet's words, and
     -- the FIFO no registers before its block; a byte of a CRC takes that many cycles, at most as many as a
     -- character of the line.
@@ -68,7 +73,15 @@ entity board is
     led : out std_ulogic_vector(7 downto 0);
     -- Of scan_out.
     video_next : out std_ulogic;
-    video_words : out std_ulogic_vector(29 downto 0)
+    video_words : out std_ulogic_vector(29 downto 0);
+    -- Of sdram_controller: RAS, CAS and WE.
+    sdram_command : out std_ulogic_vector(2 downto 0);
+    sdram_mask : out std_ulogic;
+    sdram_bank : out u_unsigned(1 downto 0);
+    sdram_address : out u_unsigned(sdram_row_bits - 1 downto 0);
+    sdram_drive : out std_ulogic;
+    sdram_data_out : out std_ulogic_vector(15 downto 0);
+    sdram_data_in : in std_ulogic_vector(15 downto 0) := (others => '0')
   );
 end entity;
 
@@ -84,6 +97,7 @@ architecture rtl of board is
     with_depth * feature_depth_test + with_shade * feature_shade + with_edge_map * feature_edge_map
     + with_video * feature_display + (buffers - 1) * feature_two_buffers
     + boolean'pos(colour_bits = 6) * feature_colours_656 + boolean'pos(colour_bits = 4) * feature_colours_444
+    + boolean'pos(colour_bits = 5) * feature_colours_565
     + with_packed_read * feature_packed_read + with_vertices * feature_vertices
     + single_buffer * feature_single_buffer;
 
@@ -273,27 +287,65 @@ begin
   pixel_done <= drawn_valid and drawn_ready and not core_reset;
   primitive_done <= pixel_done and drawn_last;
 
-  picture : entity work.screen
-    generic map (
-      width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
-      with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
-      single_port_memory => single_port_memory, with_video => with_video, buffers => buffers,
-      colour_bits => colour_bits, crc_cycles => crc_cycles, clocks_per_pixel => clocks_per_pixel,
-      bank_words => bank_words
-    )
-    port map (
-      clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
-      clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
-      swap_valid => swap_valid, swap_ready => swap_ready,
-      pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
-      pixel_value => drawn_value, pixel_depth => drawn_depth,
-      read_valid => area_valid, read_ready => area_ready, read_x => read_x, read_y => read_y,
-      read_width => read_width, read_count => read_count, read_plane => read_plane,
-      read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
-      frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
-      frame_crc_done => crc_done, frame_crc_value => crc_value,
-      video_next => video_next, video_words => video_words
-    );
+  block_gen : if with_sdram = 0 generate
+    picture : entity work.screen
+      generic map (
+        width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
+        with_depth => with_depth, depth_bits => depth_bits, with_edge_map => with_edge_map,
+        single_port_memory => single_port_memory, with_video => with_video, buffers => buffers,
+        colour_bits => colour_bits, crc_cycles => crc_cycles, clocks_per_pixel => clocks_per_pixel,
+        bank_words => bank_words
+      )
+      port map (
+        clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
+        clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+        swap_valid => swap_valid, swap_ready => swap_ready,
+        pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
+        pixel_value => drawn_value, pixel_depth => drawn_depth,
+        read_valid => area_valid, read_ready => area_ready, read_x => read_x, read_y => read_y,
+        read_width => read_width, read_count => read_count, read_plane => read_plane,
+        read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
+        frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
+        frame_crc_done => crc_done, frame_crc_value => crc_value,
+        video_next => video_next, video_words => video_words
+      );
+    sdram_command <= (others => '1');
+    sdram_mask <= '1';
+    sdram_drive <= '0';
+    sdram_bank <= (others => '0');
+    sdram_address <= (others => '0');
+    sdram_data_out <= (others => '0');
+  end generate;
+
+  sdram_gen : if with_sdram = 1 generate
+    assert buffers = 2 and with_depth = 1 and with_edge_map = 0
+      report "board: a screen in SDRAM has two buffers, depth and no edge map"
+      severity failure;
+
+    picture : entity work.sdram_screen
+      generic map (
+        width => screen_width, height => screen_height, coord_bits => coord_bits, num_channels => colours,
+        colour_bits => colour_bits, depth_bits => depth_bits, with_video => with_video,
+        clocks_per_pixel => clocks_per_pixel, crc_cycles => crc_cycles, row_bits => sdram_row_bits,
+        column_bits => sdram_column_bits, refresh_clocks => sdram_refresh_clocks
+      )
+      port map (
+        clk => clk, reset => reset, read_reset => link_reset, idle => screen_idle,
+        clear_valid => clear_valid, clear_ready => clear_ready, clear_colour => clear_colour,
+        swap_valid => swap_valid, swap_ready => swap_ready,
+        pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_x => drawn_x, pixel_y => drawn_y,
+        pixel_value => drawn_value, pixel_depth => drawn_depth,
+        read_valid => area_valid, read_ready => area_ready, read_x => read_x, read_y => read_y,
+        read_width => read_width, read_count => read_count, read_plane => read_plane,
+        read_data_valid => bytes_valid, read_data_ready => bytes_ready, read_data => bytes_data,
+        frame_crc_valid => crc_valid, frame_crc_ready => crc_ready, frame_crc_plane => crc_plane,
+        frame_crc_done => crc_done, frame_crc_value => crc_value,
+        video_next => video_next, video_words => video_words,
+        sdram_ras_n => sdram_command(2), sdram_cas_n => sdram_command(1), sdram_we_n => sdram_command(0),
+        sdram_mask => sdram_mask, sdram_bank => sdram_bank, sdram_address => sdram_address,
+        sdram_drive => sdram_drive, sdram_data_out => sdram_data_out, sdram_data_in => sdram_data_in
+      );
+  end generate;
 
   packed_gen : if with_packed_read = 1 generate
     packer : entity work.pixel_packer

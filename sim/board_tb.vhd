@@ -46,7 +46,11 @@ entity board_tb is
     single_buffer : natural := 0;
     crc_cycles : positive := 1;
     clocks_per_pixel : positive := 4;
-    bank_words : positive := 16384
+    bank_words : positive := 16384;
+    with_sdram : natural := 0;
+    sdram_row_bits : positive := 13;
+    sdram_column_bits : positive := 9;
+    sdram_refresh_clocks : positive := 780
   );
 end entity;
 
@@ -57,6 +61,11 @@ architecture sim of board_tb is
   signal clk, tx : std_ulogic := '0';
   signal reset, rx : std_ulogic := '1';
   signal running : boolean := true;
+  signal sdram_command : std_ulogic_vector(2 downto 0);
+  signal sdram_mask : std_ulogic;
+  signal sdram_bank : u_unsigned(1 downto 0);
+  signal sdram_address : u_unsigned(sdram_row_bits - 1 downto 0);
+  signal sdram_data_out, sdram_data_in : std_ulogic_vector(15 downto 0) := (others => '0');
   -- Clocks and rate in units of which a bit has clk_frequency_hz.
   signal rate : positive := baud;
   -- A free queue of bytes from tx: one is taken for good when the other process has written it.
@@ -88,9 +97,46 @@ begin
       with_video => with_video, buffers => buffers, colour_bits => colour_bits,
       with_packed_read => with_packed_read, with_vertices => with_vertices,
       most_counter_bits => most_counter_bits, single_buffer => single_buffer, crc_cycles => crc_cycles,
-      clocks_per_pixel => clocks_per_pixel, bank_words => bank_words
+      clocks_per_pixel => clocks_per_pixel, bank_words => bank_words, with_sdram => with_sdram,
+      sdram_row_bits => sdram_row_bits, sdram_column_bits => sdram_column_bits,
+      sdram_refresh_clocks => sdram_refresh_clocks
     )
-    port map (clk => clk, reset => reset, rx => rx, tx => tx, led => open);
+    port map (
+      clk => clk, reset => reset, rx => rx, tx => tx, led => open,
+      sdram_command => sdram_command, sdram_mask => sdram_mask, sdram_bank => sdram_bank,
+      sdram_address => sdram_address, sdram_drive => open, sdram_data_out => sdram_data_out,
+      sdram_data_in => sdram_data_in
+    );
+
+  -- An SDRAM that checks nothing: a word leaves it two clocks after its command, as with a latency of three.
+  memory_gen : if with_sdram = 1 generate
+    memory : process (clk)
+      constant banks : positive := 4;
+      constant columns : positive := 2**sdram_column_bits;
+      type words_t is array (0 to banks * 2**sdram_row_bits * columns - 1)
+        of std_ulogic_vector(15 downto 0);
+      type rows_t is array (0 to banks - 1) of natural;
+      type words_ptr_t is access words_t;
+      variable words : words_ptr_t := new words_t;
+      variable rows : rows_t := (others => 0);
+      variable place : natural;
+      variable leaving, following : std_ulogic_vector(15 downto 0) := (others => '0');
+    begin
+      if rising_edge(clk) then
+        sdram_data_in <= leaving;
+        leaving := following;
+        place := (to_integer(sdram_bank) * 2**sdram_row_bits + rows(to_integer(sdram_bank))) * columns
+          + to_integer(sdram_address(sdram_column_bits - 1 downto 0));
+        if sdram_command = "011" then
+          rows(to_integer(sdram_bank)) := to_integer(sdram_address);
+        elsif sdram_command = "101" then
+          following := words(place);
+        elsif sdram_command = "100" and sdram_mask = '0' then
+          words(place) := sdram_data_out;
+        end if;
+      end if;
+    end process;
+  end generate;
 
   -- Samples in the middle of bits, from the start bit's edge on.
   receive : process

@@ -58,7 +58,7 @@ def test_every_port_has_a_pin(name: str) -> None:
     board = read_board(name, ROOT)
     check_pins(board)
     # None is lost by a pattern that does not fit: each has its line.
-    text = board.constraints.read_text()
+    text = board.pins()
     lines = re.findall(r"^(?:LOCATE|set_io|IO_LOC)", text, re.MULTILINE)
     assert len(board.device.described.pins(text)) == len(ports_of(board.top)) == len(lines) > 3
 

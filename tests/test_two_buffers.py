@@ -14,6 +14,8 @@ from quadshade.board import Board
 from quadshade.board.engines import start_engine
 from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
+from quadshade.contract.identity import colour_bits as colour_bits_of
+from quadshade.contract.identity import plane_bytes
 from quadshade.contract.protocol import LinkError
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
@@ -24,6 +26,14 @@ from quadshade.link.transport import MemoryTransport
 
 SIZE = (48, 32)
 GENERICS = {"buffers": 2, "colour_bits": 4}
+SDRAM = {
+    "with_sdram": 1,
+    "buffers": 2,
+    "colour_bits": 5,
+    "depth_bits": 15,
+    "screen_width": 640,
+    "screen_height": 480,
+}
 
 
 def a_board(engine: str = "model", **generics: int) -> Board:
@@ -72,7 +82,7 @@ def test_edges_are_drawn_unseen() -> None:
     assert np.array_equal(shown[1][covered], plain[covered])
 
 
-@pytest.mark.parametrize("colour_bits", [8, 6, 4])
+@pytest.mark.parametrize("colour_bits", [8, 5, 4])
 def test_what_is_read_is_the_dithered_picture(colour_bits: int) -> None:
     with a_board(colour_bits=colour_bits) as board:
         assert board.colour_bits == colour_bits
@@ -183,8 +193,18 @@ def test_one_buffer_refuses_to_swap() -> None:
     ("generics", "message"),
     [
         ({"buffers": 3}, "buffers is 3; give 1 or 2"),
-        ({"colour_bits": 5}, "colour_bits is 5; give 8 or 6 or 4"),
+        ({"colour_bits": 7}, "colour_bits is 7; give 8 or 6 or 5 or 4"),
         ({"single_port_memory": 1, "with_depth": 0, "buffers": 2}, "give buffers=1"),
+        (SDRAM | {"buffers": 1}, "with one buffer"),
+        (SDRAM | {"with_edge_map": 1}, "give buffers=2, with_edge_map=0"),
+        (SDRAM | {"colour_bits": 6}, "17 bits of colours and 15 of depth"),
+        (SDRAM | {"depth_bits": 16}, "16 bits of colours and 16 of depth"),
+        (SDRAM | {"with_depth": 0}, "16 bits of colours and 0 of depth"),
+        (SDRAM | {"screen_width": 160}, "160 pixels wide; give a multiple of 64, from 128 on"),
+        (SDRAM | {"screen_width": 64}, "64 pixels wide"),
+        (SDRAM | {"screen_width": 1088, "sdram_row_bits": 11, "sdram_column_bits": 8}, "three planes of"),
+        (SDRAM | {"sdram_row_bits": 14}, "sdram_row_bits is 14; give 11 to 13"),
+        (SDRAM | {"sdram_refresh_clocks": 99}, "sdram_refresh_clocks is 99; give 100 to 4095"),
     ],
     ids=str,
 )
@@ -221,3 +241,10 @@ def test_dithering_keeps_the_mean_and_flat_colours(colour_bits: int) -> None:
         assert (np.diff(there[..., channel], axis=0) >= 0).all()
         one = kept_colours(values[:, 0, 0], HALF_STEP, colour_bits)[:, channel]
         assert set(np.unique(one)) == set(levels)
+
+
+def test_a_board_with_sdram_is_one_of_640_by_480() -> None:
+    settings = board_settings("ulx3s-85f-sdram", None, {})
+    assert SDRAM.items() <= settings.generics().items() and settings.with_video == 1
+    board = BoardModel(640, 480, settings.formats, buffers=2, colour_bits=5)
+    assert (colour_bits_of(board.identity), plane_bytes(board.identity)) == (5, (3, 2, 0, 0))

@@ -16,12 +16,14 @@ from cocotb.triggers import Timer
 from cocotb_tests.support.bench import PERIOD_NS, Bench
 from cocotb_tests.support.link_stimuli import body_of, good_area
 from cocotb_tests.support.pins import PinsTransport
+from cocotb_tests.support.sdram import CHIP, at_pins
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import FACTOR_BITS, STATE_REGISTERS, Formats
 from quadshade.contract.identity import colour_bits, knows, plane_bytes
 from quadshade.contract.protocol import ANSWER_BIT, LinkError, Opcode, pack_payload, phase_step
 from quadshade.contract.shade_state import colour_state
 from quadshade.golden.board import BoardModel
+from quadshade.golden.common.sdram_chip import CHIPS, SdramChip
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.link.frame_receiver import Reach
 from quadshade.link.frames import Frame, FrameParser, enclosed
@@ -42,6 +44,7 @@ class Config:
     with_depth: int = 1
     word_width: int = 32
     frac_bits: int = 22
+    depth_bits: int = 16
     coord_bits: int = 12
     span_depth: int = 2
     clk_frequency_hz: int = 64_000
@@ -60,6 +63,8 @@ class Config:
     colour_bits: int = 8
     with_packed_read: int = 1
     with_vertices: int = 0
+    with_sdram: int = 0
+    sdram_refresh_clocks: int = 780
 
     @property
     def formats(self) -> Formats:
@@ -121,6 +126,17 @@ CONFIGS = [
     Config(coord_bits=6, screen_width=8, with_edge_map=0, with_video=1),
     Config(coord_bits=6, buffers=2, colour_bits=4, with_vertices=1),
     Config(num_channels=1, with_depth=0, coord_bits=6, with_edge_map=0, buffers=2, colour_bits=6),
+    Config(
+        depth_bits=15,
+        coord_bits=8,
+        screen_width=128,
+        screen_height=2,
+        with_edge_map=0,
+        buffers=2,
+        colour_bits=5,
+        with_sdram=1,
+        sdram_refresh_clocks=150,
+    ),
 ]
 
 
@@ -133,6 +149,8 @@ async def begin(dut: Any, test: str) -> tuple[Bench, PinsTransport, BoardModel]:
     """A board after power-up, its line, its model."""
     bench = Bench(dut, Config, test)
     dut.rx.value = 1
+    if bench.config.with_sdram:
+        cocotb.start_soon(at_pins(bench, SdramChip(CHIPS[CHIP], 100e6, 0)))
     await bench.start()
     return bench, PinsTransport(dut, bench.config.bit_ns), bench.config.model()
 
@@ -314,6 +332,9 @@ async def requests_overlap(dut: Any) -> None:
 async def lights(dut: Any) -> None:
     """A light is on for a sixteenth of a second after what it shows; at 64 kHz that is 4001 clocks."""
     bench, line, _ = await begin(dut, "lights")
+    if bench.config.with_sdram:
+        # They know nothing of where the picture is.
+        return
     tick = bench.config.clk_frequency_hz // 16 + 1
     parser, words = FrameParser(), scene_words(bench, 1)
 

@@ -152,7 +152,7 @@ async def reset_ends_a_read(dut: Any) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def resets(dut: Any) -> None:
-    """A reset amid pixels, a clear, a read or a plane's CRC: both pictures are black, nothing else is left."""
+    """A reset amid pixels, a clear, a read or a CRC: both pictures are black, nothing else is left."""
     bench = Bench(dut, Config, "resets")
     if bench.config == VIDEO:
         return

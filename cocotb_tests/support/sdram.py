@@ -24,7 +24,11 @@ CHIP = "AS4C16M16SA-7"
 def pins_of(bench: Bench) -> Pins:
     """What the chip sees; before the first command some of it is unknown, and data that nobody drives."""
     dut = bench.dut
-    command = int(dut.sdram_ras_n.value) << 2 | int(dut.sdram_cas_n.value) << 1 | int(dut.sdram_we_n.value)
+    if hasattr(dut, "sdram_command"):
+        command = int(dut.sdram_command.value)
+    else:
+        ras, cas, we = dut.sdram_ras_n, dut.sdram_cas_n, dut.sdram_we_n
+        command = int(ras.value) << 2 | int(cas.value) << 1 | int(we.value)
     names = ("bank", "address", "mask", "drive")
     bank, address, mask, drive = (bench.unqualified(getattr(dut, f"sdram_{name}")) for name in names)
     data = int(dut.sdram_data_out.value) if drive else 0

@@ -4,7 +4,8 @@
 -- is wanted, all of its runs are asked for, one after the other. That port waits for one run and a refresh at
 -- most, so a scanline is there after a known number of cycles, and scan_out's two line buffers are the FIFO.
 --
--- Model: sdram_line_fetch.py.  Test: test_sdram_line_fetch.py.  Latency: 1 cycle.  A run as soon as one is over.
+-- Model: sdram_line_fetch.py.  Test: test_sdram_line_fetch.py.  Latency: 1 cycle.
+-- Throughput: a run as soon as one is over.
 -- A FIFO beside the line buffers was calculated first: it is one block RAM more, for scanlines that are as
 -- early without it.
 

@@ -3,14 +3,13 @@
 """
 What a picture of 640 x 480 in an SDRAM would take: the memory's time, block RAM of bands, bytes on the line.
 
-The controller's clocks are those of its model. A FIFO between it and a monitor is filled over many lines
-while the other port asks without a pause, run by run. Triangles of real scenes are cut to bands and packed.
+The controller's clocks are those of its model. A monitor's scanlines are fetched over many lines while the
+other port asks without a pause, run by run. Triangles of real scenes are cut to bands and packed.
 Writes docs/reports/sdram.md and sdram.json.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -29,6 +28,7 @@ from quadshade.golden.common.sdram_chip import CHIPS, SdramTiming
 from quadshade.golden.common.sdram_controller import SdramGenerics
 from quadshade.golden.screen.scan_out import Timing
 from quadshade.golden.screen.sdram_depth_test import span_clocks
+from quadshade.golden.screen.sdram_line_fetch import most_line_clocks
 from quadshade.packing.line import frame_bytes, frames_bytes
 from quadshade.packing.pack import unpack
 from quadshade.scene import fit_camera, load_scene, project
@@ -58,20 +58,21 @@ BITS_OF_A_BYTE = 10
 BAUDS = (1_000_000, 3_000_000)
 SCENES = ("sphere:690", "torus:1152")
 ROWS = (16, 24, 32, 48)
-FIFO_WORDS = (128, 256, 512, 1024)
+LINE = VIDEO.all_columns * CLOCKS_PER_PIXEL
+"""Clocks of a line of the monitor, in which a scanline is fetched."""
 
 MEMORIES = {
     "ULX3S: 16 bits": SdramGenerics(),
-    "Tang Nano 20K: 32 bits": SdramGenerics(data_bits=32, row_bits=11, column_bits=8),
+    "Tang Nano 20K: 16 of 32 bits": SdramGenerics(row_bits=11, column_bits=8),
 }
-"""The second one's organisation is known; its times are taken to be those of the first."""
+"""A word is a pixel. The second one's organisation is known; its times are taken to be those of the first."""
 
 
-class Level(NamedTuple):
-    """Of a FIFO of pixels in words: the least in it while a line is shown, and the longest wait for a run."""
+class Fetch(NamedTuple):
+    """Most clocks of a scanline from when it is wanted to its last word; of a run until it is accepted."""
 
-    least: float
-    longest_wait: int
+    line: int
+    wait: int
 
 
 def frame_clocks() -> int:
@@ -92,52 +93,35 @@ def share(generics: SdramGenerics) -> dict:
     }
 
 
-def shown_pixels(clock: int) -> int:
-    """Pixels that the monitor has taken by then, from the first one of a picture on."""
-    line, within = divmod(clock, VIDEO.all_columns * CLOCKS_PER_PIXEL)
-    picture, line = divmod(line, VIDEO.all_lines)
-    lines = picture * VIDEO.lines + min(line, VIDEO.lines)
-    pixels = min(within // CLOCKS_PER_PIXEL + 1, VIDEO.columns) if line < VIDEO.lines else 0
-    return lines * VIDEO.columns + pixels
-
-
-def runs(generics: SdramGenerics, fifo_words: int, end: int) -> Iterator[tuple[int, int, int]]:
+def runs(generics: SdramGenerics, lines: int) -> Iterator[tuple[int, int, int]]:
     """
-    Runs of the first port while the second always asks: when it could ask, when it got the run, words before.
+    Runs of ``sdram_line_fetch`` while the second port always asks: line, when asked for, when accepted.
 
-    The FIFO is full as the first pixel is taken, in clock 0. A run is asked for once it has room.
+    A scanline is wanted every line of the monitor, and each of its runs a clock after the one before it.
     """
-    words_per_pixel = PIXEL_BITS / generics.data_bits
-    now, before, tick, arrived, wanted = 0, 0, generics.refresh_clocks, fifo_words, None
+    now, tick = 0, generics.refresh_clocks
     write = generics.run_clocks(generics.run_words, True)
     read = generics.run_clocks(generics.run_words, False)
-    while now < end:
-        full = arrived - fifo_words + generics.run_words
-        if wanted is None and shown_pixels(now) * words_per_pixel >= full:
-            times = range(before, now + 1)
-            wanted = times[bisect_left(times, full, key=lambda clock: shown_pixels(clock) * words_per_pixel)]
-        before = now
-        if now >= tick:
-            now += generics.rfc_clocks
-            tick += generics.refresh_clocks
-        elif wanted is not None:
-            yield wanted, now, arrived
-            wanted = None
-            arrived += generics.run_words
-            now += read
-        else:
-            now += write
+    for line in range(lines):
+        asked = line * LINE + 1
+        for _ in range(SIZE[0] // generics.run_words):
+            while now < asked or now >= tick:
+                if now >= tick:
+                    now += generics.rfc_clocks
+                    tick += generics.refresh_clocks
+                else:
+                    now += write
+            yield line, asked, now
+            asked, now = now + 1, now + read
 
 
-def level(generics: SdramGenerics, fifo_words: int, lines: int) -> Level:
-    """The worst of so many lines: just before a run's first word is there."""
-    words_per_pixel = PIXEL_BITS / generics.data_bits
-    least, longest = float(fifo_words), 0
-    for wanted, got, arrived in runs(generics, fifo_words, lines * VIDEO.all_columns * CLOCKS_PER_PIXEL):
-        taken = shown_pixels(got + generics.latency()) * words_per_pixel
-        least = min(least, arrived - taken)
-        longest = max(longest, got - wanted)
-    return Level(least, longest)
+def fetch(generics: SdramGenerics, lines: int) -> Fetch:
+    """The worst of so many lines."""
+    line = wait = 0
+    for index, asked, accepted in runs(generics, lines):
+        line = max(line, accepted + generics.latency() + generics.run_words - 1 - index * LINE)
+        wait = max(wait, accepted - asked)
+    return Fetch(line, wait)
 
 
 def blocks(rows: int) -> dict[str, int]:
@@ -210,8 +194,7 @@ def measure(lines: int) -> dict:
     """Every number of the report."""
     memories = []
     for name, generics in MEMORIES.items():
-        levels = [[words, *level(generics, words, lines)] for words in FIFO_WORDS]
-        memories.append({"name": name, **share(generics), "levels": levels})
+        memories.append({"name": name, **share(generics), **fetch(generics, lines)._asdict()})
     chips = []
     for name, timing in CHIPS.items():
         names = ("t_rcd", "t_rp", "t_ras", "t_rc", "t_rfc", "t_wr", "t_mrd")
@@ -261,10 +244,8 @@ def memory_rows(results: dict) -> list[tuple[str, ...]]:
 def report(results: dict) -> str:
     """The report's text, from nothing but the numbers of the JSON file."""
     generics = results["generics"]
-    levels = [
-        (memory["name"], words, f"{least:g}", wait)
-        for memory in results["memories"]
-        for words, least, wait in memory["levels"]
+    fetches = [
+        (memory["name"], memory["line"], f"{LINE:,}", memory["wait"]) for memory in results["memories"]
     ]
     chips = [
         (chip["name"], chip["source"], *chip["clocks"], f"{chip['pins']['from']:g} to {chip['pins']['to']:g}")
@@ -285,9 +266,9 @@ def report(results: dict) -> str:
         for row in results["scenes"]
     ]
     about = f"""
-        Written by `{results["command"]}` (`make sdram`). A calculation ahead of a board that has such a
-        picture: there is none yet. [The units](../reference/sdram.md) are there, and their clocks are
-        used here: {HERTZ // 1_000_000} MHz, runs of {generics["run_words"]} words, a refresh every
+        Written by `{results["command"]}` (`make sdram`). A calculation for boards such as
+        `ulx3s-85f-sdram`, with the clocks of [its units](../reference/sdram.md):
+        {HERTZ // 1_000_000} MHz, runs of {generics["run_words"]} words, a refresh every
         {generics["refresh_clocks"]} clocks, a pixel of {PIXEL_BITS} bits, dithered.
     """
     time_text = f"""
@@ -296,9 +277,11 @@ def report(results: dict) -> str:
         picture of {PIXEL_BITS} bits a pixel.
     """
     fifo_text = f"""
-        A FIFO between the memory and the monitor asks for a run once it has room for it, and goes first;
+        A scanline is fetched while the one above it is shown: its runs go first, one after the other, and
         the other port asks without a pause. Over {results["lines"]:,} lines of the monitor, refreshes among
-        them: the fewest words in it, just before a run's first word, and the longest wait for a run.
+        them: clocks from when a scanline is wanted to its last word, of those in which it has to be there,
+        and the longest wait for a run. At most {most_line_clocks(SIZE[0], SdramGenerics())} clocks are
+        proved.
     """
     chip_text = """
         Clocks of the data sheets' times, upwards. The last column: how far behind the controller's clock
@@ -336,7 +319,7 @@ def report(results: dict) -> str:
 
 {paragraph(fifo_text)}
 
-{markdown_table(("memory", "FIFO, words", "fewest", "longest wait, clocks"), levels)}
+{markdown_table(("memory", "scanline, clocks", "of", "longest wait for a run"), fetches)}
 
 ## Chips
 

@@ -143,6 +143,35 @@ class Receiver {
     uint64_t phase = 0;
 };
 
+// An SDRAM of words of 16 bits with a CAS latency of three, whose times nobody checks here.
+class Sdram {
+  public:
+    // One clock edge at the pins as they stand before it; what stands on the data pins after it.
+    uint16_t clock(unsigned command, bool mask, unsigned bank, unsigned address, uint16_t data) {
+        const uint16_t now = leaving;
+        leaving = following;
+        if (command == activate) {
+            if (words.empty()) words.resize(size_t(1) << (bank_bits + row_bits + column_bits));
+            rows[bank] = address;
+        } else if (command == read || command == write) {
+            if (words.empty()) fail("the SDRAM is used before a row is open");
+            const size_t row = size_t(bank) << row_bits | rows[bank];
+            uint16_t& word = words[row << column_bits | (address & ((1u << column_bits) - 1))];
+            if (command == read) following = word;
+            else if (!mask) word = data;
+        }
+        return now;
+    }
+
+  private:
+    // As many as any board's; RAS, CAS and WE, low active.
+    static constexpr unsigned bank_bits = 2, row_bits = 13, column_bits = 10;
+    static constexpr unsigned activate = 0b011, read = 0b101, write = 0b100;
+    std::vector<uint16_t> words;
+    unsigned rows[1 << bank_bits] = {};
+    uint16_t leaving = 0, following = 0;
+};
+
 void write_out(std::vector<uint8_t>& bytes) {
     size_t done = 0;
     while (done < bytes.size()) {
@@ -166,13 +195,17 @@ int main(int argc, char** argv) {
     Input input;
     Sender sender;
     Receiver receiver;
+    Sdram sdram;
     std::vector<uint8_t> output;
     uint64_t clocks = 0, sending = 0, receiving = 0, last_change = 0;
     unsigned until_look = 0;
 
     const auto cycle = [&] {
+        const uint16_t word = sdram.clock(board.sdram_command, board.sdram_mask, board.sdram_bank,
+                                          board.sdram_address, board.sdram_data_out);
         board.clk = 1;
         board.eval();
+        board.sdram_data_in = word;
         board.clk = 0;
         board.eval();
     };

@@ -11,6 +11,7 @@ from quadshade.contract.protocol import COLOUR_BITS, MAX_PAYLOAD
 from quadshade.contract.vertex_program import check_formats
 from quadshade.engine.sources import repository_root
 from quadshade.errors import QuadshadeError
+from quadshade.golden.screen.framebuffer import channel_bits
 from quadshade.golden.screen.scan_out import Timing
 
 LEAST_CLOCKS = 4
@@ -23,6 +24,10 @@ ALLOWED: dict[str, Collection[int]] = {
     "buffers": (1, 2),
     "colour_bits": tuple(COLOUR_BITS),
     "with_packed_read": (0, 1),
+    "with_sdram": (0, 1),
+    "sdram_row_bits": range(11, 14),
+    "sdram_column_bits": range(8, 11),
+    "sdram_refresh_clocks": range(100, 4096),
     "with_vertices": (0, 1),
     "single_buffer": (0, 1),
     "most_counter_bits": range(1, 33),
@@ -38,6 +43,9 @@ BOARD_FORMATS = {"value_bits": 8, "stream_width": 32}
 
 MOST_CHANNELS = 4
 """A clear has four bytes."""
+
+SDRAM_DATA_BITS, SDRAM_RUN_WORDS = 16, 64
+"""Of a word of the SDRAM, and words of a run, of which a scanline has at least two."""
 
 
 LEAST_FIFO = 1 << (MAX_PAYLOAD // 4 - 1).bit_length()
@@ -63,7 +71,12 @@ class BoardSettings:
     buffers : int
       2: one is shown while the other is drawn, until a swap.
     colour_bits : int
-      Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five) or 4.
+      Bits that the picture keeps of a colour: 8, or dithered 6 (of channel 1 five), 5 (of channel 1 six) or
+      4.
+    with_sdram : int
+      1: both buffers and the depths are in an SDRAM.
+    sdram_row_bits, sdram_column_bits, sdram_refresh_clocks : int
+      Of the chip: its organisation, and clocks from a refresh to the next.
     most_counter_bits : int
       STATUS's counters wrap at that many bits, 1 to 32.
     crc_cycles : int
@@ -97,6 +110,10 @@ class BoardSettings:
     crc_cycles: int = 1
     clocks_per_pixel: int = 4
     bank_words: int = 16384
+    with_sdram: int = 0
+    sdram_row_bits: int = 13
+    sdram_column_bits: int = 9
+    sdram_refresh_clocks: int = 780
 
     def __post_init__(self) -> None:
         limit = 1 << self.formats.coord_bits
@@ -120,6 +137,8 @@ class BoardSettings:
         for name, allowed in ALLOWED.items():
             if getattr(self, name) not in allowed:
                 raise QuadshadeError(f"{name} is {getattr(self, name)}", f"give {_choice(allowed)}")
+        if self.with_sdram:
+            self._check_sdram()
         if self.with_video:
             self._check_video()
         if self.with_vertices:
@@ -161,6 +180,32 @@ class BoardSettings:
                 f"with_video=1 with {self.screen_width}x{self.screen_height} pixels of"
                 f" {self.formats.emitted_channels} channels on {monitor.columns}x{monitor.lines}",
                 "give --generic with_video=0, or 1 or 3 channels and a screen that fills it as 320x240 does",
+            )
+
+    def _check_sdram(self) -> None:
+        """What ``board`` and ``sdram_screen`` assert of a picture in an SDRAM."""
+        formats, colours = self.formats, self.formats.emitted_channels
+        bits = sum(channel_bits(channel, self.colour_bits) for channel in range(colours))
+        if self.buffers != 2 or self.with_edge_map or self.single_port_memory:
+            raise QuadshadeError(
+                "with_sdram=1 with one buffer, an edge map or single_port_memory",
+                "give buffers=2, with_edge_map=0 and single_port_memory=0",
+            )
+        if bits > SDRAM_DATA_BITS or not formats.with_depth or formats.depth_bits >= SDRAM_DATA_BITS:
+            raise QuadshadeError(
+                f"with_sdram=1 with {bits} bits of colours and"
+                f" {formats.depth_bits * formats.with_depth} of depth",
+                "a pixel has 16 and 1 to 15: give colour_bits=5 and depth_bits=15",
+            )
+        width, height = self.screen_width, self.screen_height
+        if width % SDRAM_RUN_WORDS or width == SDRAM_RUN_WORDS:
+            raise QuadshadeError(
+                f"with_sdram=1 with a screen {width} pixels wide", "give a multiple of 64, from 128 on"
+            )
+        needed = 2 + (height - 1).bit_length() + (width - 1).bit_length()
+        if needed > self.sdram_row_bits + 2 + self.sdram_column_bits:
+            raise QuadshadeError(
+                f"an SDRAM too small for three planes of {width}x{height}", "give a smaller screen"
             )
 
     def generics(self) -> dict[str, int]:

@@ -122,16 +122,13 @@ FEATURES = (
     *("depth_test", "shade", "edge_map", "display", "two_buffers", "colours_656", "colours_444"),
     *("packed_read", "vertices", "single_buffer", "colours_565"),
 )
-"""
-Bits of HELLO's ``features``, the lowest first. The last one is kept for pictures of 16 bits a pixel, so that
-boards that have none keep their definition when one comes.
-"""
+"""Bits of HELLO's ``features``, the lowest first."""
 
 OPTIONAL = {Opcode.SWAP: "two_buffers"}
 """Requests that only boards with a feature know; the others refuse them as unknown."""
 
-COLOUR_BITS = {8: "", 6: "colours_656", 4: "colours_444"}
-"""Bits that a board may keep of a colour, and the feature that says so; 6 are 5 of channel 1."""
+COLOUR_BITS = {8: "", 6: "colours_656", 5: "colours_565", 4: "colours_444"}
+"""Bits that a board may keep of a colour, and the feature that says so; 6 are 5 of channel 1, 5 are 6."""
 
 BOARD_FIELDS = (
     ("clk_frequency_hz", 4, "system clock"),

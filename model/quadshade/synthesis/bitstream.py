@@ -55,6 +55,8 @@ class BoardFile:
       Options of the packer.
     parts : tuple of Path
       Further Verilog of the top.
+    more_constraints : tuple of Path
+      Further files of pins.
     """
 
     name: str
@@ -66,6 +68,7 @@ class BoardFile:
     program: tuple[tuple[str, ...], ...]
     pack: tuple[str, ...] = ()
     parts: tuple[Path, ...] = ()
+    more_constraints: tuple[Path, ...] = ()
 
     @property
     def family(self) -> str:
@@ -76,6 +79,10 @@ class BoardFile:
     def sources(self) -> list[Path]:
         """Verilog around the entity ``board``."""
         return [self.top, *self.parts, self.top.with_name(RESET)]
+
+    def pins(self) -> str:
+        """Text of all files of pins."""
+        return "".join(path.read_text() for path in (self.constraints, *self.more_constraints))
 
     @property
     def formats(self) -> Formats:
@@ -133,7 +140,8 @@ def read_board(name: str, root: Path) -> BoardFile:
             f"no bitstream is built for {name}: its file has no {missing[0]}",
             "write it as synth/boards/ulx3s-85f.toml has it",
         )
-    named = [settings["top"], settings["constraints"], *settings.get("parts", ())]
+    more = settings.get("more_constraints", ())
+    named = [settings["top"], settings["constraints"], *settings.get("parts", ()), *more]
     if lost := [file for file in named if not (folder / file).is_file()]:
         raise QuadshadeError(f"{name}.toml names synth/boards/{lost[0]}, which is not there", "write it")
     return BoardFile(
@@ -146,6 +154,7 @@ def read_board(name: str, root: Path) -> BoardFile:
         tuple(tuple(command) for command in settings["program"]),
         tuple(settings.get("pack", ())),
         tuple(folder / part for part in settings.get("parts", ())),
+        tuple(folder / file for file in more),
     )
 
 
@@ -154,7 +163,9 @@ def ports_of(top: Path) -> list[str]:
     text = re.sub(r"//.*", "", top.read_text())
     header = re.search(rf"module {TOP} \((.*?)\);", text, re.DOTALL)
     found: list[str] = []
-    for high, name in re.findall(r"(?:input|output)\s+(?:\[(\d+):0\]\s+)?(\w+)", header[1] if header else ""):
+    for high, name in re.findall(
+        r"(?:input|output|inout)\s+(?:\[(\d+):0\]\s+)?(\w+)", header[1] if header else ""
+    ):
         found += [f"{name}[{index}]" for index in range(int(high) + 1)] if high else [name]
     return found
 
@@ -168,7 +179,7 @@ def check_pins(board: BoardFile) -> None:
     QuadshadeError
       One has none, or one that another has.
     """
-    pins = board.device.described.pins(board.constraints.read_text())
+    pins = board.device.described.pins(board.pins())
     where = board.constraints.name
     owners: dict[str, str] = {}
     for port, pin in pins:
@@ -283,12 +294,12 @@ def _route(board: BoardFile, folder: Path, seed: int, root: Path) -> Built:
     command += ["--seed", str(seed), "--timing-allow-fail"]
 
     def make(place: Path) -> None:
-        for source in (folder / "mapped.json", pins):
-            shutil.copyfile(source, place / source.name)
+        shutil.copyfile(folder / "mapped.json", place / "mapped.json")
+        (place / pins.name).write_text(board.pins())
         run_nextpnr(command, place, board.device)
         (place / "mapped.json").unlink()
 
-    texts = ((folder / "mapped.json").read_text(), pins.read_text())
+    texts = ((folder / "mapped.json").read_text(), board.pins())
     key = build_key(*texts, *command, package_version(family.packages[0]))
     placed = build_once(root / "build" / "routed", key, make)
     for name in (ROUTED, "report.json", "nextpnr.log"):

@@ -13,7 +13,7 @@ HALF_STEP = 8
 
 
 def channel_bits(channel: int, colour_bits: int) -> int:
-    """Bits that are kept of a channel: ``colour_bits``, but of channel 1 five where they are 6, and six for 5."""
+    """Bits that are kept of a channel: ``colour_bits``, but of channel 1 five for 6, and six for 5."""
     return 11 - colour_bits if channel == 1 and colour_bits in (5, 6) else colour_bits
 
 

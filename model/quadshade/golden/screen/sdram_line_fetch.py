@@ -17,8 +17,8 @@ def most_line_clocks(width: int, generics: SdramGenerics) -> int:
     """
     Clocks from the one in which a scanline is wanted to its last word, at most.
 
-    Each of its runs waits for another port's longest run and a refresh; a run of its own is over before the next
-    one's wait is. ``formal/screen/sdram_line_fetch.sv`` has the same.
+    Each of its runs waits for another port's longest run and a refresh; a run of its own is over before the
+    next one's wait is. ``formal/screen/sdram_line_fetch.sv`` has the same.
     """
     longest = generics.run_clocks(generics.run_words, True) + generics.rfc_clocks
     return width // generics.run_words * (longest + 1) + generics.latency() + generics.run_words
