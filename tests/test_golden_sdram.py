@@ -279,9 +279,10 @@ def test_too_few_refreshes_are_refused() -> None:
 
 
 def test_a_picture_in_sdram_is_the_one_in_block_ram(rng: np.random.Generator) -> None:
-    """Word by word through the z-buffer's model, which keeps what the units write; two pictures and a swap."""
+    """Word by word through the z-buffer's model, which keeps what the units write; with a swap."""
     width, height, count, bits = 12, 5, 400, 5
-    screen, memory = SdramScreen(width, height, colour_bits=bits), SdramDepthTest(width, height, run_words=4)
+    screen = SdramScreen(width, height, colour_bits=bits)
+    memory = SdramDepthTest(width, height, run_words=4)
     other = Screen(width, height, 3, 15, False, bits)
     for plane in (1, 0):
         memory.plane = plane

@@ -19,7 +19,7 @@ import pytest
 
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.resets import at_random
-from cocotb_tests.support.sdram import pins_of
+from cocotb_tests.support.sdram import ChipPins
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.golden.common.sdram_chip import CHIPS, Command, Pins, SdramChip
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
@@ -115,7 +115,7 @@ class Traffic:
 
     def __init__(self, bench: Bench, speed: str) -> None:
         self.bench, self.dut, self.config = bench, bench.dut, bench.config
-        self.chip = chip_of(self.config)
+        self.chip, self.pins = chip_of(self.config), ChipPins(bench)
         self.model = SdramController(self.config)
         self.ports = [Port(bench, name, SPEEDS[speed](bench.draw)) for name in ("first", "second")]
         self.words: dict[int, int] = {}
@@ -140,7 +140,7 @@ class Traffic:
         """So many clocks in which nothing is asked for and the chip is told nothing."""
         for index in range(cycles):
             await self.bench.edge()
-            pins = pins_of(self.bench)
+            pins = self.pins.read()
             self.bench.check("command", pins.command, Command.NOTHING, index)
             self.chip.clock(pins)
             self.model.clock(None, None, 0, None)
@@ -162,7 +162,7 @@ class Traffic:
         dut.reset.value = int(resets)
         await bench.edge()
         first, second = (port.wanted for port in self.ports)
-        pins = pins_of(bench)
+        pins = self.pins.read()
         bench.check("pins", used(pins), used(model.pins), index)
         bench.check("first_ready", bool(dut.first_ready.value), model.free, index)
         if second is not None:
@@ -207,7 +207,7 @@ async def every_cycle(dut: Any, speed: str) -> None:
     begins = config.refresh_clocks * config.power_up_refreshes
     if speed == "throttled":
         await traffic.power_up(begins - 10)
-    cycles = begins + 3 * ROWS * config.refresh_clocks
+    cycles = begins + 2 * ROWS * config.refresh_clocks
     for index in range(bench.cycle, cycles):
         await traffic.cycle(index)
     # What is on its way arrives.
@@ -227,10 +227,10 @@ async def resets(dut: Any) -> None:
     begins = config.refresh_clocks * config.power_up_refreshes + 8 * config.rfc_clocks
     resets_now = at_random(bench.draw, 3 * begins)
     traffic.chip.timing = dataclasses.replace(traffic.chip.timing, t_ref=1e9)
-    for index in range(4000):
+    for index in range(2000):
         await traffic.cycle(index, next(resets_now))
-    bench.check("traffic came", traffic.runs > 20, True)
-    bench.finish(at_least=4000)
+    bench.check("traffic came", traffic.runs > 10, True)
+    bench.finish(at_least=2000)
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
@@ -238,7 +238,7 @@ async def clocks(dut: Any) -> None:
     """What a run takes, and its first word, as the model's closed forms say."""
     bench = Bench(dut, Config, "clocks")
     await bench.start(*INPUTS)
-    config, chip = bench.config, chip_of(bench.config)
+    config, chip, all_pins = bench.config, chip_of(bench.config), ChipPins(bench)
     dut.second_valid.value = 1
     runs, accepted, arrived, expected = [], [], [], []
     refreshed = 0
@@ -257,7 +257,7 @@ async def clocks(dut: Any) -> None:
             ]
             runs.append(run)
             run = Run(0, bench.draw.randrange(config.run_words), bench.chance(0.5))
-        pins = pins_of(bench)
+        pins = all_pins.read()
         refreshed += config.rfc_clocks * (pins.command == Command.REFRESH)
         chip.clock(pins)
     for index, (one, other) in enumerate(pairwise(accepted)):

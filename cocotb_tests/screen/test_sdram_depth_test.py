@@ -135,7 +135,7 @@ async def drawn(bench: Bench, speed: str, rounds: int, spans: int, beside: float
 async def pictures(dut: Any, speed: str) -> None:
     bench = Bench(dut, Config, f"pictures {speed}")
     await bench.start(*INPUTS)
-    await drawn(bench, speed, 2, 50, 0.02)
+    await drawn(bench, speed, 2, 30, 0.02)
     bench.finish(at_least=4 * bench.config.width * bench.config.height)
 
 

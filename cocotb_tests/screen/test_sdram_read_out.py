@@ -153,5 +153,5 @@ async def resets(dut: Any) -> None:
         await reader.read()
 
     events = ("area_valid", ("run_valid", "run_ready"), "read_valid", ("word_valid", "word_ready"), "stop")
-    await reset_amid(bench, work, events, 10, quiet=("run_valid", "word_valid"))
+    await reset_amid(bench, work, events, 6, quiet=("run_valid", "word_valid"))
     bench.finish(at_least=40)

@@ -21,18 +21,29 @@ FIRST, SECOND = 0, 1
 CHIP = "AS4C16M16SA-7"
 
 
-def pins_of(bench: Bench) -> Pins:
-    """What the chip sees; before the first command some of it is unknown, and data that nobody drives."""
-    dut = bench.dut
-    if hasattr(dut, "sdram_command"):
-        command = int(dut.sdram_command.value)
-    else:
-        ras, cas, we = dut.sdram_ras_n, dut.sdram_cas_n, dut.sdram_we_n
-        command = int(ras.value) << 2 | int(cas.value) << 1 | int(we.value)
-    names = ("bank", "address", "mask", "drive")
-    bank, address, mask, drive = (bench.unqualified(getattr(dut, f"sdram_{name}")) for name in names)
-    data = int(dut.sdram_data_out.value) if drive else 0
-    return Pins(Command(command), bank, address, bool(mask), bool(drive), data)
+class ChipPins:
+    """The pins between a unit and its chip."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench, dut = bench, bench.dut
+        self.data = dut.sdram_data_out
+        self.whole = getattr(dut, "sdram_command", None)
+        if self.whole is None:
+            self.parts = (dut.sdram_ras_n, dut.sdram_cas_n, dut.sdram_we_n)
+        self.others = [getattr(dut, f"sdram_{name}") for name in ("bank", "address", "mask", "drive")]
+
+    def command(self) -> Command:
+        """What the chip is told."""
+        if self.whole is not None:
+            return Command(int(self.whole.value))
+        ras, cas, we = (int(port.value) for port in self.parts)
+        return Command(ras << 2 | cas << 1 | we)
+
+    def read(self) -> Pins:
+        """What the chip sees; before the first command some of it is unknown, and data that nobody drives."""
+        bank, address, mask, drive = (self.bench.unqualified(port) for port in self.others)
+        data = int(self.data.value) if drive else 0
+        return Pins(self.command(), bank, address, bool(mask), bool(drive), data)
 
 
 def chip_place(address: int, generics: SdramGenerics) -> tuple[int, int, int]:
@@ -80,10 +91,13 @@ class Memory:
         self.accepted: list[int] = []
         self.given: list[int] = []
         """Clocks in which the unit's words came."""
+        names = ("run_ready", "read_valid", "read_data", "write_next")
+        self.inputs = {name: getattr(self.dut, name, None) for name in names}
+        self.writes = getattr(self.dut, "run_write", None)
 
     def drive(self, name: str, value: int) -> None:
         """Set an input, if the unit has it."""
-        port = getattr(self.dut, name, None)
+        port = self.inputs[name]
         if port is not None:
             port.value = value
 
@@ -106,7 +120,7 @@ class Memory:
             self.given.append(self.bench.cycle)
         unit = None
         if dut.run_valid.value:
-            writes = not first and hasattr(dut, "run_write") and bool(dut.run_write.value)
+            writes = self.writes is not None and bool(self.writes.value)
             unit = Run(int(dut.run_address.value), int(dut.run_more.value), writes)
         word, keeps = 0, False
         if controller.write_next:
@@ -124,7 +138,13 @@ class Memory:
 
 async def at_pins(bench: Bench, chip: SdramChip) -> None:
     """A chip at the unit's pins, from now on."""
+    dut, pins, given = bench.dut, ChipPins(bench), None
+    edge = RisingEdge(dut.clk)
     while True:
-        await RisingEdge(bench.dut.clk)
-        chip.clock(pins_of(bench))
-        bench.dut.sdram_data_in.value = chip.data if chip.data is not None else bench.bits(16)
+        await edge
+        # While nothing is said the other pins are not looked at, which takes most of the time.
+        silent = pins.command() == Command.NOTHING and not dut.sdram_drive.value
+        chip.clock(Pins(Command.NOTHING, mask=bool(dut.sdram_mask.value)) if silent else pins.read())
+        if chip.data != given or not silent:
+            given = chip.data
+            dut.sdram_data_in.value = bench.bits(16) if given is None else given
