@@ -77,6 +77,15 @@ def test_frames_keep_their_level_and_spend_their_time() -> None:
     assert kept["step"] == pace.levers.step and kept["clocks_whole"] >= 0.95 * USED * kept["deadline"]
 
 
+def test_a_time_that_only_a_few_coarse_triangles_meet_is_kept() -> None:
+    """Also where no level is in time with the channels that tell levels apart best."""
+    turning = quadshade.turn(
+        "torus:288", frames=2, size=SIZE, frame_time=3, errors=False, engine="model", reports=QUIET
+    )
+    timing = turning.frame(0, turning.pace()).stats.timing
+    assert timing["shading"] == "quadratic" and 0 < timing["clocks_whole"] <= timing["deadline"]
+
+
 def test_a_board_has_every_frame_in_time(tmp_path: Path) -> None:
     words = ("torus:288", "-o", tmp_path / "t.gif", "--frames", 3, "--turn", 20, "--size", "64x48")
     result = run("turn", *words, "--fps", 30, "--frame-time", "auto", "--port", "sim", "--engine", "model")

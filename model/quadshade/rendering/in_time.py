@@ -221,23 +221,24 @@ class FrameTime:
         error: float,
     ) -> tuple[Levers | None, float]:
         """Level and channels with the least mean square error, of words packed to an error; None: no one."""
-        search = next(
-            kind for kind in reversed(self.shadings()) if self.curve(*frames[0], kind, error) is not None
-        )
-        best, least, worse = None, math.inf, 0
-        for count in counts:
-            self._reports.step(f"planning {count} triangles")
-            levels = [self._level(each, one, count) for each, one in frames]
-            if any(level is None for level in levels):
+        # The last one tells levels apart best; where it takes too much of each, the first one does.
+        for search in reversed(self.shadings()):
+            best, least, worse = None, math.inf, 0
+            for count in counts:
+                self._reports.step(f"planning {count} triangles")
+                levels = [self._level(each, one, count) for each, one in frames]
+                if any(level is None for level in levels):
+                    break
+                square = self._mean_square(frames, levels, references, Levers(count, search, -1, error))
+                if square < (COARSER**2 * least if best else least):
+                    best, least, worse = (count, levels), square, 0
+                else:
+                    worse += best is not None
+                if worse == WORSE or (best is None and count < counts[0] * FINER**WORSE):
+                    break
+            if best is not None:
                 break
-            square = self._mean_square(frames, levels, references, Levers(count, search, -1, error))
-            if square < (COARSER**2 * least if best else least):
-                best, least, worse = (count, levels), square, 0
-            else:
-                worse += 1
-            if worse == WORSE:
-                break
-        if best is None:
+        else:
             return None, math.inf
         count, levels = best
         kinds = {
@@ -294,7 +295,7 @@ class FrameTime:
         for (settings, _), level, reference in zip(frames, levels, references, strict=True):
             if level is None or not len(level.projected):
                 continue
-            found = self._planned(settings, level, levers)
+            found = self._planned_at(settings, level, levers)
             if found is None:
                 return math.inf
             sent, _ = self.sent(found.adapted.triangles, found.adapted.formats, found.levers.pack_error)
@@ -347,17 +348,22 @@ class FrameTime:
 
     def _planned(self, settings: RenderSettings, level: ShownScene, levers: Levers) -> Found | None:
         """A level with such channels; words are as short as it takes, None where that is not in time."""
-        start = None if levers.step < 0 else levers.step
         # They stay as short, so that nothing pops.
         for error in (one for one in self._errors if one >= min(levers.pack_error, self._errors[-1])):
-            curve = self.curve(settings, level, levers.shading, error)
-            near = None if curve is None else self.near(curve, start)
-            if near is not None:
-                picture, step = near
-                adapted = picture.plan.adapted(settings.adapt.is_verified)
-                used = levers._replace(step=step, pack_error=error)
-                return Found(level, adapted, used, picture.error)
+            found = self._planned_at(settings, level, levers._replace(pack_error=error))
+            if found is not None:
+                return found
         return None
+
+    def _planned_at(self, settings: RenderSettings, level: ShownScene, levers: Levers) -> Found | None:
+        """The same of words that are no shorter than these levers say."""
+        curve = self.curve(settings, level, levers.shading, levers.pack_error)
+        near = None if curve is None else self.near(curve, None if levers.step < 0 else levers.step)
+        if near is None:
+            return None
+        picture, step = near
+        adapted = picture.plan.adapted(settings.adapt.is_verified)
+        return Found(level, adapted, levers._replace(step=step), picture.error)
 
 
 def assumed_clock(settings: RenderSettings) -> BoardClock:
