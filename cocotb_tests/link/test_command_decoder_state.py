@@ -188,7 +188,7 @@ async def credits_are_told(dut: Any) -> None:
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def credits_beside_an_answer(dut: Any) -> None:
-    """What becomes free before an answer's link state is told by it alone, what becomes free after by one ACK."""
+    """What becomes free before an answer's link state is told by it alone, what does later by one ACK."""
     bench = Bench(dut, Config, "credits_beside_an_answer")
     pair = Pair(bench)
     board = pair.board

@@ -27,6 +27,7 @@ def test_vertex_alu(config: Config) -> None:
 
 async def operate(bench: Bench, name: str, operand: int, steps: int, line: int = 0) -> None:
     """Load an operation and take its steps, with pauses; ``line`` are the bits that come, first lowest."""
+    shifts = name in ("shl", "shr")
     dut = bench.dut
     dut.operation.value = OPERATIONS.index(name)
     dut.operand.value = operand % (1 << WIDTH)
@@ -35,11 +36,13 @@ async def operate(bench: Bench, name: str, operand: int, steps: int, line: int =
     dut.load.value = 0
     while steps:
         moves = bench.chance(0.9)
+        by_four = shifts and moves and steps >= 4
         dut.step.value = int(moves)
+        dut.by_four.value = int(by_four)
         dut.line_bit.value = line & 1
         await bench.edge()
-        steps, line = steps - moves, line >> moves
-    dut.step.value = 0
+        steps, line = steps - (4 if by_four else moves), line >> moves
+    dut.step.value = dut.by_four.value = 0
 
 
 def word(bench: Bench) -> int:
@@ -49,7 +52,7 @@ def word(bench: Bench) -> int:
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def operations(dut: Any) -> None:
     bench = Bench(dut, Config, "operations")
-    await bench.start("operation", "load", "operand", "step", "line_bit", reset=False)
+    await bench.start("operation", "load", "operand", "step", "by_four", "line_bit", reset=False)
     for _ in range(160):
         for name in ("add", "sub", "muli", "mulf", "div", "shl", "shr", "get", "ones", "fold"):
             before, operand, shifter = word(bench), word(bench), word(bench)
@@ -57,9 +60,9 @@ async def operations(dut: Any) -> None:
             line, steps = bench.draw.getrandbits(16), count
             wanted = before, shifter
             if name == "add":
-                steps, wanted = 1, (cut(before + operand, WIDTH), shifter)
+                steps, wanted = 0, (cut(before + operand, WIDTH), shifter)
             elif name == "sub":
-                steps, wanted = 1, (cut(before - operand, WIDTH), shifter)
+                steps, wanted = 0, (cut(before - operand, WIDTH), shifter)
             elif name == "muli":
                 steps, wanted = count // 2, (muli(before, operand, shifter, count), None)
             elif name == "mulf":
@@ -78,9 +81,12 @@ async def operations(dut: Any) -> None:
             else:
                 steps, wanted = 1, (fold(before), shifter)
             await operate(bench, "ldq", shifter, 0)
-            await operate(bench, "ld", before, 1)
+            await operate(bench, "ld", before, 0)
             await operate(bench, name, operand, steps, line)
             await bench.edge()
+            if name in ("add", "sub"):
+                # Without a step, and while the next operand may come.
+                await operate(bench, "ldq", shifter, 0)
             inputs = (name, count, before, operand, shifter)
             acc = cut(int(dut.acc.value), GUARD)
             bench.check(name, acc, wanted[0], None, inputs)

@@ -18,17 +18,20 @@ entity vertex_alu is
     clk : in std_ulogic;
     -- A number of the program's operations.
     operation : in u_unsigned(operation_bits - 1 downto 0);
-    -- The operand is there; ldq then has done all.
+    -- The operand is there; ld and ldq then have done all, add and sub need a cycle more, but no step.
     load : in std_ulogic;
     operand : in u_signed(vertex_width - 1 downto 0);
-    -- In the cycles after load: the operation takes a step.
+    -- In the cycles after load: the operation takes a step; a shift one of four bits.
     step : in std_ulogic;
+    by_four : in std_ulogic;
     -- What get shifts in.
     line_bit : in std_ulogic;
     -- Two bits more than a word of the memory hold twice the operand beside a sum.
     acc : out u_signed(vertex_width + 1 downto 0);
     shifter : out u_signed(vertex_width - 1 downto 0);
-    is_zero : out std_ulogic
+    is_zero : out std_ulogic;
+    -- What is left of the factor adds nothing after this step.
+    spent : out std_ulogic
   );
 end entity;
 
@@ -40,20 +43,23 @@ architecture rtl of vertex_alu is
   subtype sum_t is u_signed(sum_bits - 1 downto 0);
 
   signal sum, ahead, first, second, halved, other : sum_t;
-  signal use_sum, use_quarter : std_ulogic;
+  signal use_sum, use_quarter, use_operand : std_ulogic;
   signal value : sum_t := (others => '0');
   signal number, factor : number_t := (others => '0');
   -- What the adder makes of the operand: nothing, twice it, its complement.
   signal none, double, negate : std_ulogic := '0';
   -- The operation, one hot.
-  signal is_ld, is_muli, is_mulf, is_div, is_shift, is_get, is_halving : std_ulogic := '0';
-  signal is_fold, is_ones, is_sum : std_ulogic := '0';
+  signal is_muli, is_mulf, is_div, is_shift, is_get, is_halving, is_fold, is_ones : std_ulogic := '0';
+  -- A sum whose operand has just come.
+  signal sums : std_ulogic := '0';
 
 begin
 
   acc <= value;
   shifter <= factor;
   is_zero <= '1' when unsigned(value(width - 1 downto 0)) = 0 else '0';
+  spent <= is_muli and ((and std_ulogic_vector(factor(spent_bits - 1 downto 1)))
+    or not (or std_ulogic_vector(factor(spent_bits - 1 downto 1))));
 
   ahead <= value(sum_bits - 2 downto 0)
     & ((is_div and factor(width - 1)) or (not is_div and is_get and line_bit));
@@ -91,10 +97,12 @@ begin
         other <= (others => '0');
       end if;
     elsif step = '1' then
-      if is_ld = '1' then
-        other <= resize(number, sum_bits);
+      if is_shift = '1' and by_four = '1' then
+        other <= shift_left(value, 4);
       elsif is_shift = '1' then
         other <= ahead;
+      elsif is_halving = '1' and by_four = '1' then
+        other <= shift_right(value, 4);
       elsif is_halving = '1' then
         other <= halved;
       elsif is_fold = '1' then
@@ -108,8 +116,9 @@ begin
     end if;
   end process;
 
-  use_sum <= step and (is_sum or is_muli or is_div);
+  use_sum <= sums or (step and (is_muli or is_div));
   use_quarter <= step and is_mulf;
+  use_operand <= '1' when load = '1' and operation = do_ld else '0';
 
   registers : process (clk)
     -- Two bits of the factor and the one below.
@@ -118,7 +127,6 @@ begin
     if rising_edge(clk) then
       if load = '1' then
         number <= operand;
-        is_ld <= '0';
         is_muli <= '0';
         is_mulf <= '0';
         is_div <= '0';
@@ -127,20 +135,14 @@ begin
         is_halving <= '0';
         is_fold <= '0';
         is_ones <= '0';
-        is_sum <= '0';
         none <= '0';
         double <= '0';
         negate <= '0';
-        if operation = do_ld then
-          is_ld <= '1';
-        elsif operation = do_ldq then
+        if operation = do_ldq then
           factor <= operand;
         elsif operation = do_ones then
           is_ones <= '1';
-        elsif operation = do_add then
-          is_sum <= '1';
         elsif operation = do_sub then
-          is_sum <= '1';
           negate <= '1';
         elsif operation = do_muli then
           is_muli <= '1';
@@ -154,7 +156,7 @@ begin
         elsif operation = do_get then
           is_shift <= '1';
           is_get <= '1';
-        elsif operation = do_shr or operation = do_put then
+        elsif operation = do_shr then
           is_halving <= '1';
         elsif operation = do_fold then
           is_fold <= '1';
@@ -172,8 +174,14 @@ begin
         end if;
       end if;
 
+      sums <= '0';
+      if load = '1' and (operation = do_add or operation = do_sub) then
+        sums <= '1';
+      end if;
       value <= other;
-      if use_sum = '1' then
+      if use_operand = '1' then
+        value <= resize(operand, sum_bits);
+      elsif use_sum = '1' then
         value <= sum;
         if is_div = '0' then
           value(sum_bits - 1 downto width) <= (others => sum(width - 1));

@@ -103,25 +103,32 @@ architecture rtl of vertex_unpacker is
   signal place, pointer : address_t := (others => '0');
   signal index : u_unsigned(2 downto 0) := (others => '0');
   signal left : u_unsigned(count_bits - 1 downto 0) := (others => '0');
-  -- None of these, one of them at most.
-  signal no_step, last_step, known : std_ulogic := '0';
+  -- None of these, one step at most, four bits at least.
+  signal no_step, last_step, by_four, known : std_ulogic := '0';
   signal run : u_unsigned(run_bits - 1 downto 0) := (others => '0');
 
   signal fetched, shifter : number_t;
   signal acc : u_signed(width + 1 downto 0);
-  signal load, is_zero, is_negative : std_ulogic;
+  -- The operation shifts the accumulator; it takes as many steps as the operand says.
+  signal shifts, counted : boolean;
+  signal load, is_zero, is_negative, spent : std_ulogic;
 
   -- The operation moves on; it is at its end; the next instruction is fetched; a jump is taken.
-  signal moves, done, quick, ends, fetch, take_jump : std_ulogic;
+  signal moves, done, quick, jump, ends, fetch, take_jump : std_ulogic;
 
   -- A word of the line is shifted out of a register, the bit of line_index lowest.
   signal line_word : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
   signal line_index : u_unsigned(4 downto 0) := (others => '0');
   signal line_held : std_ulogic := '0';
-  signal take, drop, passes, fills, give : std_ulogic;
-  signal filling, runs, full : std_ulogic := '0';
-  signal lane : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
+  signal take, drop, passes, fills : std_ulogic;
+  signal filling, runs : std_ulogic := '0';
+
+  -- Bits that go out, how many there are, and zeros behind them up to the end of the word.
+  signal leaving, lane : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
+  signal leaving_bits : u_unsigned(count_bits - 1 downto 0) := (others => '0');
   signal lane_bit : u_unsigned(4 downto 0) := (others => '0');
+  signal pads, full : std_ulogic := '0';
+  signal leaves, gone, by_two : std_ulogic;
 
 begin
 
@@ -139,8 +146,8 @@ begin
 
   numbers : entity work.vertex_alu
     port map (
-      clk => clk, operation => operation, load => load, operand => fetched, step => moves,
-      line_bit => line_word(0), acc => acc, shifter => shifter, is_zero => is_zero
+      clk => clk, operation => operation, load => load, operand => fetched, step => moves, by_four => by_four,
+      line_bit => line_word(0), acc => acc, shifter => shifter, is_zero => is_zero, spent => spent
     );
 
   -- The operand of the next instruction is read while this one ends.
@@ -159,6 +166,8 @@ begin
   end process;
 
   load <= '1' when step = loading else '0';
+  shifts <= operation = do_shl or operation = do_shr;
+  counted <= shifts or operation = do_get;
   is_negative <= acc(width - 1);
 
   -- What the operation needs of line and core, and whether this is its last cycle.
@@ -168,7 +177,6 @@ begin
     done <= '0';
     take <= '0';
     drop <= '0';
-    give <= '0';
     passes <= '0';
     fills <= '0';
     if step /= executing or known = '0' then
@@ -204,18 +212,14 @@ begin
         end if;
       end if;
     elsif operation = do_put then
-      give <= not full;
-      moves <= not full;
-      done <= not full and last_step;
-    elsif operation = do_align and lane_bit /= 0 then
-      give <= not full;
+      done <= gone;
     elsif operation = do_align then
       done <= '1';
     elsif operation = do_word then
-      done <= not full;
+      done <= gone and not full;
     else
       moves <= '1';
-      done <= last_step;
+      done <= last_step or spent;
       if no_step = '1' and (operation = do_shl or operation = do_shr) then
         moves <= '0';
       end if;
@@ -228,11 +232,15 @@ begin
       or (operation = do_loop and index + 1 < unsigned(code(count_bits - 1 downto 0)))
     else '0';
 
-  quick <= '1' when operation = do_ldq or operation = do_st or operation = do_stq
+  jump <= '1' when operation = do_jmp or operation = do_call or operation = do_ret or operation = do_loop
+      or operation = do_jz or operation = do_jnz or operation = do_jn or operation = do_jnn
+    else '0';
+  quick <= '1' when jump = '1' or operation = do_ld or operation = do_add or operation = do_sub
+      or operation = do_ldq or operation = do_st or operation = do_stq
       or operation = do_ldp or operation = do_ldx
     else '0';
   ends <= '1' when done = '1' or (step = loading and quick = '1') else '0';
-  fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0') else '0';
+  fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0' and take_jump = '0') else '0';
 
   packed_valid <= fills or passes;
   packed_data <= (others => '0') when fills = '1' else line_word;
@@ -243,6 +251,13 @@ begin
   begin
     if rising_edge(clk) then
       rest := left - (moves and not no_step);
+      if by_four = '1' then
+        rest := left - 4;
+      end if;
+      if step = loading then
+        -- Of an immediate operand, which alone is known now.
+        rest := unsigned(code(2 * count_bits - 1 downto count_bits));
+      end if;
       steps := rest;
       if step = loading then
         step <= executing;
@@ -255,7 +270,7 @@ begin
           steps := to_unsigned(longest_prefix, count_bits);
         elsif operation = do_raw then
           steps := to_unsigned(1, count_bits);
-        elsif operation = do_shl or operation = do_shr or operation = do_get or operation = do_put then
+        elsif counted or operation = do_put then
           steps := unsigned(fetched(count_bits - 1 downto 0));
         elsif operation = do_ldp then
           pointer <= unsigned(fetched(address_bits - 1 downto 0));
@@ -268,19 +283,27 @@ begin
       known <= '1';
       no_step <= '0';
       last_step <= '0';
-      if step = loading then
-        if operation = do_shl or operation = do_shr or operation = do_get or operation = do_put then
-          known <= '0';
-        elsif operation = do_raw then
+      by_four <= '0';
+      if step = loading and not counted then
+        if operation = do_raw then
           last_step <= '1';
         elsif not (operation = do_muli or operation = do_mulf
           or operation = do_div or operation = do_ones) then
           no_step <= '1';
           last_step <= '1';
         end if;
-      elsif rest <= 1 then
-        last_step <= '1';
-        no_step <= not rest(0);
+      elsif step = loading and unsigned(code(operation_low - 1 downto mode_low)) /= mode_immediate then
+        known <= '0';
+      else
+        if rest <= 1 or (shifts and rest = 4) then
+          last_step <= '1';
+        end if;
+        if rest = 0 then
+          no_step <= '1';
+        end if;
+        if shifts and rest >= 4 then
+          by_four <= '1';
+        end if;
       end if;
 
       if fetch = '1' then
@@ -290,7 +313,7 @@ begin
         step <= loading;
       elsif ends = '1' then
         step <= fetching;
-        if done = '1' and take_jump = '1' then
+        if take_jump = '1' then
           step <= jumping;
         end if;
       elsif step = jumping then
@@ -304,7 +327,7 @@ begin
         code_read <= program(to_integer(pc));
         pc <= pc + 1;
       end if;
-      if done = '1' then
+      if step = loading then
         if take_jump = '1' then
           pc <= unsigned(code(count_bits + address_bits - 1 downto count_bits));
         end if;
@@ -359,25 +382,47 @@ begin
     end if;
   end process;
 
+  leaves <= '1' when leaving_bits /= 0 else '0';
+  gone <= not leaves and not pads;
+  by_two <= '1' when lane_bit /= setup_word_bits - 1 and leaving_bits /= 1 else '0';
+
   core_words : process (clk)
   begin
     if rising_edge(clk) then
       if setup_ready = '1' then
         full <= '0';
       end if;
-      if give = '1' then
-        lane <= (moves and acc(0)) & lane(setup_word_bits - 1 downto 1);
-        lane_bit <= lane_bit + 1;
-        if lane_bit = setup_word_bits - 1 then
+      if full = '0' and (leaves = '1' or (pads = '1' and lane_bit /= 0)) then
+        lane <= (leaving(0) and leaves) & lane(setup_word_bits - 1 downto 1);
+        leaving <= '0' & leaving(setup_word_bits - 1 downto 1);
+        if by_two = '1' then
+          lane <= (leaving(1 downto 0) and leaves) & lane(setup_word_bits - 1 downto 2);
+          leaving <= "00" & leaving(setup_word_bits - 1 downto 2);
+        end if;
+        lane_bit <= lane_bit + 1 + by_two;
+        if leaves = '1' then
+          leaving_bits <= leaving_bits - 1 - by_two;
+        end if;
+        if lane_bit = setup_word_bits - 1 or (lane_bit = setup_word_bits - 2 and by_two = '1') then
           full <= '1';
         end if;
-      elsif operation = do_word and done = '1' then
+      elsif leaves = '0' and lane_bit = 0 then
+        pads <= '0';
+      end if;
+      if done = '1' and operation = do_put then
+        leaving <= std_ulogic_vector(acc(setup_word_bits - 1 downto 0));
+        leaving_bits <= left;
+      elsif done = '1' and operation = do_align then
+        pads <= '1';
+      elsif done = '1' and operation = do_word then
         lane <= (others => '0');
         lane(word_width - 1 downto 0) <= std_ulogic_vector(acc(word_low + word_width - 1 downto word_low));
         full <= '1';
       end if;
       if reset = '1' then
         full <= '0';
+        pads <= '0';
+        leaving_bits <= (others => '0');
         lane_bit <= (others => '0');
       end if;
     end if;

@@ -64,6 +64,7 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
         f"  constant memory_words : positive := {source.MEMORY_WORDS};",
         f"  constant longest_prefix : positive := {source.LONGEST_PREFIX};",
         f"  constant run_bits : positive := {source.RUN_BITS};",
+        f"  constant spent_bits : positive := {source.SPENT_BITS};",
         "",
         "  -- An instruction, lowest first: count, operand, mode, operation, whether the next one waits.",
         f"  constant count_bits : positive := {COUNT_BITS};",

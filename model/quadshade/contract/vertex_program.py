@@ -78,28 +78,37 @@ OPERATIONS = (
 """
 ``ld add sub``  the accumulator is, or adds, or subtracts, the operand
 ``ldq``         the shift register is the operand
-``muli``        add operand x the lowest ``count`` bits of the shift register, signed, four in two clocks
-``mulf``        the same, and then shift right by ``count``: towards minus infinity
+``muli``        add operand x the lowest ``count`` bits of the shift register, signed, two a clock until the
+                others are all the same
+``mulf``        the same, of all bits, and then shift right by ``count``: towards minus infinity
 ``div``         ``count`` steps of the non-restoring division of accumulator and shift register by the operand
 ``st stq``      the memory gets the accumulator, or the shift register
 ``ldp ldx``     the pointer, or the index, is the operand
 ``loop``        add one to the index, and jump as long as it is below ``count``
-``shl shr``     shift the accumulator by the operand, arithmetically
+``shl shr``     shift the accumulator by the operand, arithmetically, four bits a clock
 ``get``         shift so many bits of the line in
 ``ones``        the accumulator is the number of ones before the next zero, ``LONGEST_PREFIX`` at most
 ``fold``        0, 1, 2, 3, 4 become 0, -1, 1, -2, 2
 ``start``       skip zeros and a one
 ``raw``         pass as many words as the accumulator says, from the next whole one on, then finish the packet
-``put word``    so many bits of the accumulator go out; a whole set-up word of a difference does
+``put word``    so many bits of the accumulator go out, two a clock, while the program goes on; a whole set-up
+                word of a difference does
 ``align``       zeros up to the end of the set-up word
 ``jmp jz jnz jn jnn call ret``  jumps: always, if the accumulator is zero, is not, is negative, is not
 """
 
-QUICK = ("ldq", "st", "stq", "ldp", "ldx")
-"""Operations that take the clock of their operand alone."""
+JUMPS = ("jmp", "jz", "jnz", "jn", "jnn", "call", "loop")
+QUICK = ("ld", "add", "sub", "ldq", "st", "stq", "ldp", "ldx", "ret", *JUMPS)
+"""
+Operations that take the clock of their operand alone, in whose end the next instruction's is read. A sum is
+there a clock later.
+"""
 
-OVERLAPPING = ("ld", "add", "sub", "muli", "mulf", "div", "shl", "shr", "get", "ones", "fold", "put")
-"""Others in whose last clock the next instruction's operand is read."""
+NEEDS_SUM = ("ld", "st", "jz", "jnz", "jn", "jnn", "ones", "raw")
+"""Operations that read or write the accumulator in the clock of their operand."""
+
+SPENT_BITS = 22
+"""``muli`` is over when so many lowest bits of what is left of the shift register, but the last, are the same."""
 
 DIRECT, INDEXED, IMMEDIATE = 0, 1, 2
 
@@ -126,9 +135,8 @@ class Program(NamedTuple):
 
 RESERVED = (
     *PARAMETERS,
-    *(f"{edge}{part}" for edge in ("major", "minor", "second") for part in ("", *"1234")),
+    *("major", "major_step", "minor", "minor_step"),
 )
-JUMPS = ("jmp", "jz", "jnz", "jn", "jnn", "call", "loop")
 
 _CONSTANTS = {
     "RUN_BITS": RUN_BITS,
@@ -162,7 +170,6 @@ def program() -> Program:
         else:
             code.append(row)
     places = {name: SCRATCH_AT + index for index, name in enumerate(RESERVED)}
-    places["major_step"] = places["major2"]
     instructions = []
 
     def place(name: str) -> str:
@@ -189,13 +196,15 @@ def program() -> Program:
 
 
 def _waits(row: Instruction, behind: Instruction) -> int:
-    """1 where the instruction behind reads what this one writes, or need not be the next one."""
-    if row.operation in ("ldp", "ldx"):
+    """1 where the instruction behind reads what this one writes."""
+    if row.operation in ("ldp", "ldx", "loop"):
         return int(behind.mode == INDEXED)
+    if row.operation in ("add", "sub"):
+        return int(behind.operation in NEEDS_SUM)
     if row.operation in ("st", "stq"):
         apart = row.mode == behind.mode == DIRECT and row.operand != behind.operand
         return int(behind.mode != IMMEDIATE and behind.operation not in ("st", "stq") and not apart)
-    return int(row.operation not in (*QUICK, *OVERLAPPING))
+    return 0
 
 
 def instruction_clocks(operation: str, count: int, waits: int) -> int:
@@ -204,8 +213,8 @@ def instruction_clocks(operation: str, count: int, waits: int) -> int:
 
     Those of operations that take as many as a number says are counted when it is known.
     """
-    steps = {"muli": count // 2, "mulf": count // 2, "div": count}.get(operation, 1)
-    if operation in (*QUICK, "ones", "start", "align"):
+    steps = {"mulf": count // 2, "div": count}.get(operation, 1)
+    if operation in (*QUICK, "muli", "shl", "shr", "get", "ones", "start"):
         steps = 0
     return 1 + steps + waits
 

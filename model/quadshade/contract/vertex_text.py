@@ -102,26 +102,14 @@ sorted_second:
 sorted:
     ldp v0; ld p+0; st x1; ld p+1; st y1; ldp v1; ld p+0; st xm; sub x1; st x2; ld p+1; st ym; sub y1
     st y2; ldp v2; ld p+0; st xb; sub x1; st x3; ld p+1; st yb; sub y1; st y3; ld y1; sub ym; st ny2
-    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; call scanline; add trim_top; st y
-    st from; ld ym; call scanline; st knee; ld yb; call scanline; sub trim_bottom; st bottom; sub y
-    st rows; st rows_first; ld #0; st mirror; st has_second; st rows_second; ld y; sub knee
-    jnn lower_only
-    ld knee; sub bottom; jnn upper_only
-    ld #1; st has_second; ld area; jnn both
+    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; add y1; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1
+    add trim_top; st y; st from; ld ym; add ym; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; st knee
+    ld yb; add yb; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; sub trim_bottom; st bottom; sub y
+    st rows; st rows_first; ld #0; st mirror; st has_second; st rows_second; ld y; sub knee; jnn header
+    ld knee; sub bottom; jnn header
+    ld knee; sub y; st rows_first; ld bottom; sub knee; st rows_second; ld #1; st has_second; ld area
+    jnn header
     ld #1; st mirror
-both:
-    call take_long; ldp #@major; call edge; ld knee; sub y; st rows; st rows_first; call take_upper
-    ldp #@minor; call edge; ld bottom; sub knee; st rows; st rows_second; ld knee; st from
-    call take_lower; ldp #@second; call edge; jmp header
-lower_only:
-    call take_lower; jmp one_side
-upper_only:
-    call take_upper
-one_side:
-    ld area; jn long_minor
-    ldp #@minor; call edge; call take_long; ldp #@major; call edge; jmp header
-long_minor:
-    ldp #@major; call edge; call take_long; ldp #@minor; call edge
 header:
     ld has_second; put #1; ld mirror; put #1; ld #0; put #1; ld quadratic; add #1; st t
 order:
@@ -130,22 +118,26 @@ order:
     put #2
 places:
     ld y; put #coord_bits; ld rows_first; add #0 - 2; put #column_bits; ld rows_second; add #0 - 2
-    put #column_bits; ldp #@major; call put_edge; ldp #@minor; call put_edge; align
-    ld has_second; jz colours
-    ldp #@second; call put_edge; align
-    jmp colours
+    put #column_bits; ld has_second; jnz both
+    ld area; jn short_major
+    ldp #@major; call long; ldp #@minor; call short; jmp colours
+short_major:
+    ldp #@major; call short; ldp #@minor; call long; jmp colours
+both:
+    ldp #@major; call long; ldp #@minor; ld rows_first; st rows; call upper; align; ld rows_second
+    st rows; ld knee; st from; call lower; jmp colours
 swap_first:
     ld v0; st t; ld v1; st v0; ld t; st v1; ld m1; st t; ld m2; st m1; ld t; st m2; ret
 swap_second:
     ld v1; st t; ld v2; st v1; ld t; st v2; ld m0; st t; ld m1; st m0; ld t; st m1; ret
-scanline:
-    st t; add t; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; ret
-take_long:
-    ld x1; st xa; ld y1; st ya; ld x3; st dx; ld y3; st dy; ret
-take_upper:
-    ld x1; st xa; ld y1; st ya; ld x2; st dx; ld y2; st dy; ret
-take_lower:
-    ld xm; st xa; ld ym; st ya; ld xb; sub xm; st dx; ld yb; sub ym; st dy; ret
+long:
+    ld x1; st xa; ld y1; st ya; ld x3; st dx; ld y3; st dy; jmp edge
+short:
+    ld y; sub knee; jnn lower
+upper:
+    ld x1; st xa; ld y1; st ya; ld x2; st dx; ld y2; st dy; jmp edge
+lower:
+    ld xm; st xa; ld ym; st ya; ld xb; sub xm; st dx; ld yb; sub ym; st dy
 edge:
     ld from; add from; add #1; shl #subpixel_bits; sub ya; sub ya; st d; ld dy; add dy; st t; ld dy
     shl #subpixel_bits; add #0 - 1; ldq xa; muli t, 22; ldq d; muli dx, 20; shr #subpixel_bits + 1
@@ -153,20 +145,20 @@ edge:
     ld dy; sub m; add #0 - 1; st m; ld #0; sub dx; st dx
 straight:
     ld dy; shl #column_bits; st wide; add wide; st double; ld wide; add m; ldq #0
-    div double, 1 + column_bits; jnn whole; add double
+    div double, 1 + column_bits; jnn whole
+    add double
 whole:
-    shr #1 + column_bits; st rest; stq t; ld t; add #0 - 2 ** column_bits
-    st p+0; ld dx; jz flat
+    stq t; shr #1 + column_bits; st rest; ld t; add #0 - 2 ** column_bits; st p+0; put #column_bits
+    ld dx; jz flat
     ld rows; add #0 - 1; jz flat
-    ld wide; add dx; ldq #0; div double, 1 + column_bits; jnn whole_step; add double
+    ld wide; add dx; ldq #0; div double, 1 + column_bits; jnn whole_step
+    add double
 whole_step:
-    shr #1 + column_bits; st p+3; sub dy; st p+4
-    add rest; st p+1; stq t; ld t; add #0 - 2 ** column_bits; st p+2; ret
+    stq t; shr #1 + column_bits; st m; sub dy; st dx; add rest; put #error_bits; ld t
+    add #0 - 2 ** column_bits; st p+1; put #column_bits; ld m; put #edge_bits; ld dx; put #error_bits; ret
 flat:
-    ld #0 - 1; st p+1; st p+4; ld #0; st p+2; st p+3; ret
-put_edge:
-    ld p+0; put #column_bits; ld p+1; put #error_bits; ld p+2; put #column_bits; ld p+3; put #edge_bits
-    ld p+4; put #error_bits; ret
+    ld #0 - 1; put #error_bits; ld #0; st p+1; put #column_bits; put #edge_bits; ld #0 - 1
+    put #error_bits; ret
 """
 
 _RATIOS = """
@@ -183,11 +175,9 @@ pixel:
     shl #subpixel_bits; sub y1; sub y1; st down; ld wide; shr #1; ldq right; muli y3, 20; ldq down
     muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t; sub offset; st u; ld wide; shr #1
     ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t
-    sub offset; st v; ld nx3; ldq step; muli y3, 16; call ratio; st pu; ld x2; ldq step; muli ny2, 16
-    call ratio; st pv; ld qy3; call ratio; st qu; ld qy2; call ratio; st qv; ld quadratic; jnz products
+    sub offset; st v; ld nx3; ldq step; muli y3, 16; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pu; ld x2; ldq step; muli ny2, 16
+    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pv; ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st qu; ld qy2; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st qv; ld quadratic; jnz products
     jmp channels
-ratio:
-    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; ret
 """
 
 PRODUCTS = (
@@ -198,17 +188,20 @@ PRODUCTS = (
 """Squares and products of ratios: of the first pixel's, of a row step's, of a column step's."""
 
 SUMS = (
-    ("r_uu", (("twice_u", "pu"),), "p_uu", "add"),
-    ("r_vv", (("twice_v", "pv"),), "p_vv", "add"),
-    ("r_uv", (("u", "pv"), ("v", "pu")), "p_uv", "add"),
-    ("c_uu", (("twice_u", "qu"),), "q_uu", "sub"),
-    ("c_vv", (("twice_v", "qv"),), "q_vv", "sub"),
-    ("c_uv", (("u", "qv"), ("v", "qu")), "q_uv", "sub"),
-    ("x_uu", (("twice_pu", "qu"),), None, ""),
-    ("x_vv", (("twice_pv", "qv"),), None, ""),
-    ("x_uv", (("pu", "qv"), ("pv", "qu")), None, ""),
+    ("r_uu", ("twice_u",), ("pu",), ("add p_uu",)),
+    ("r_vv", ("twice_v",), ("pv",), ("add p_vv",)),
+    ("r_uv", ("u", "pu"), ("v", "pv"), ("sub uv",)),
+    ("c_uu", ("twice_u",), ("qu",), ("sub q_uu",)),
+    ("c_vv", ("twice_v",), ("qv",), ("sub q_vv",)),
+    ("c_uv", ("u", "qu"), ("v", "qv"), ("sub uv", "sub q_uv", "sub q_uv")),
+    ("x_uu", ("twice_pu",), ("qu",), ()),
+    ("x_vv", ("twice_pv",), ("qv",), ()),
+    ("x_uv", ("pu", "qu"), ("pv", "qv"), ("sub p_uv", "sub q_uv")),
 )
-"""Sums of products, and one product added or subtracted: of d_row, d_col and dd_mixed."""
+"""
+Of d_row, d_col and dd_mixed: a product of two sums, and what is added and subtracted then. Of u and v
+together that is shorter than the two products which are left.
+"""
 
 TERMS = (
     (("uu", "a"), ("vv", "b"), ("uv", "c"), ("u", "d"), ("v", "e")),
@@ -221,13 +214,16 @@ TERMS = (
 """Differences in their order, each a sum of ratios times coefficients of the unit triangle's quadratic."""
 
 
-def _product(target: str, factors: tuple[tuple[str, str], ...]) -> list[str]:
-    lines = []
-    for index, (first, second) in enumerate(factors):
-        lines += [f"ldq {second}", "ld #0", f"mulf {first}, 36", "shl #4"]
-        lines += ["add t"] if index else []
-        lines += [f"st {'t' if index < len(factors) - 1 else target}"]
-    return lines
+def _product(first: str, second: str) -> list[str]:
+    """Lines that leave a product of ratios in the accumulator."""
+    return ["ld #0", f"ldq {second}", f"mulf {first}, 36", "shl #4"]
+
+
+def _factor(parts: tuple[str, ...], place: str) -> tuple[list[str], str]:
+    """Lines that add ratios, and where the sum then is."""
+    if len(parts) == 1:
+        return [], parts[0]
+    return [f"ld {parts[0]}", *(f"add {part}" for part in parts[1:]), f"st {place}"], place
 
 
 def _words(terms: tuple[tuple[tuple[str, str], ...], ...], shift: str, first: str) -> list[str]:
@@ -270,11 +266,11 @@ def program_text() -> str:
     for name in ("u", "v", "pu", "pv"):
         lines += [f"ld {name}", f"add {name}", f"st twice_{name}"]
     for target, first, second in PRODUCTS:
-        lines += _product(target, ((first, second),))
-    for target, factors, last, how in SUMS:
-        lines += _product(target, factors)
-        lines += [f"{how} {last}", f"st {target}"] if last else []
-    lines += ["channels:", "ldx #0", "channel:", "ld quadratic", "jnz quadratic_channel"]
+        lines += [*_product(first, second), f"st {target}"]
+    for target, first, second, then in SUMS:
+        (sum_first, one), (sum_second, other) = _factor(first, "d"), _factor(second, "e")
+        lines += [*sum_first, *sum_second, *_product(one, other), *then, f"st {target}"]
+    lines += ["channels:", "align", "ldx #0", "channel:", "ld quadratic", "jnz quadratic_channel"]
     lines += [*_LINEAR, *_words(LINEAR_TERMS, "shift_colour", "half_colour"), "jmp channel_done"]
     lines += ["quadratic_channel:", *_COEFFICIENTS.split("\n")]
     lines += [*_words(TERMS, "shift_colour", "half_colour"), "channel_done:", "loop channel, num_channels"]

@@ -151,7 +151,7 @@ class CommandDecoder:
         return self._sent is not None
 
     def _tell_credits(self) -> None:
-        """An ACK with a quarter of the FIFO free since the last link state, unless another answer tells it."""
+        """An ACK with a quarter of the FIFO free since the last link state, unless an answer tells it."""
         due = (self._sent, self._reply, self._nak, self._ack, self._result)
         told = any(one is not None for one in due)
         if not told and self.fifo.free - self._free_told >= self.fifo.num_words // 4:

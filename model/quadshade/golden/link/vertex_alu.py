@@ -6,7 +6,7 @@ from __future__ import annotations
 from numba import njit
 
 from quadshade.contract.arrays import Int
-from quadshade.contract.vertex_program import WIDTH
+from quadshade.contract.vertex_program import SPENT_BITS, WIDTH
 
 GUARD = WIDTH + 2
 """Bits of the accumulator: a sum may be twice the operand beside a word."""
@@ -25,6 +25,19 @@ def cut(value: Int, bits: int) -> Int:
 def muli(acc: Int, operand: Int, shifter: Int, count: int) -> Int:
     """Accumulator plus operand times the lowest bits of the shift register, signed; cut to a word."""
     return cut(acc + operand * cut(shifter, count), WIDTH)
+
+
+@njit(cache=True)
+def muli_steps(shifter: Int, count: int) -> int:
+    """Clocks of :func:`muli`: until all bits that are left, as far as is looked, are the same."""
+    steps = 1
+    ones = (1 << (SPENT_BITS - 1)) - 1
+    while 2 * steps < count:
+        left = (shifter >> (2 * steps - 1)) & ones
+        if left in (0, ones):
+            break
+        steps += 1
+    return steps
 
 
 @njit(cache=True)

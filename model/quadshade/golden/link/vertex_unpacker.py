@@ -29,7 +29,7 @@ from quadshade.contract.vertex_program import (
     check_formats,
     evaluated,
 )
-from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli
+from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli, muli_steps
 from quadshade.golden.link.word_unpacker import WordUnpacker
 
 _LD, _ADD, _SUB, _LDQ, _MULI, _MULF, _DIV, _ST, _STQ, _LDP, _LDX, _LOOP = range(12)
@@ -42,7 +42,7 @@ How a packet ended: its set-up words are there, there was none, the line's words
 follow.
 """
 
-JUMP_CLOCKS = 2
+JUMP_CLOCKS = 3
 """Of a jump that is taken, besides those of any instruction."""
 
 PIECE = 1024
@@ -55,7 +55,8 @@ class _Machine:
 
     ``bit`` is the line's next one; ``word`` is the set-up word that is begun, ``word_bits`` how many of its
     bits are there, ``count`` set-up words are whole; ``packets`` are, ``run`` packed words follow, ``begun``
-    set-up words are there of a packet that starved; ``clocks`` is what all took where nothing waited.
+    set-up words are there of a packet that starved; ``clocks`` is what all took where nothing waited,
+    ``put_done`` in which clock the bits before have gone out.
     """
 
     bit: int
@@ -66,6 +67,7 @@ class _Machine:
     run: int
     begun: int
     clocks: int
+    put_done: int
 
 
 _MACHINE = record_dtype(_Machine)
@@ -112,14 +114,32 @@ def _line(words: Words32, machine: _Machine) -> Int:
 
 
 @njit(cache=True)
-def _give(machine: _Machine, bit: Int, out: Words32) -> None:
-    """Another bit of the set-up words."""
-    machine.word = int(machine.word | bit << machine.word_bits)
-    machine.word_bits += 1
-    if machine.word_bits == SETUP_WORD_BITS:
-        out[machine.count] = machine.word
-        machine.count += 1
-        machine.word = machine.word_bits = 0
+def _give(machine: _Machine, value: Int, bits: Int, out: Words32) -> None:
+    """More bits of the set-up words, two in a clock from the next one on, as long as two fit."""
+    machine.put_done = max(machine.put_done, machine.clocks + 1)
+    while bits > 0:
+        size = 1 if bits == 1 or machine.word_bits == SETUP_WORD_BITS - 1 else 2
+        machine.word = int(machine.word | (value & ((1 << size) - 1)) << machine.word_bits)
+        machine.word_bits += size
+        machine.put_done += 1
+        value >>= size
+        bits -= size
+        if machine.word_bits == SETUP_WORD_BITS:
+            out[machine.count] = machine.word
+            machine.count += 1
+            machine.word = machine.word_bits = 0
+
+
+@njit(cache=True)
+def _shift_clocks(count: Int) -> int:
+    """Of so many bits, four at a time."""
+    return int(max(count // 4 + count % 4, 1))
+
+
+@njit(cache=True)
+def _await_put(machine: _Machine) -> None:
+    """Wait for the bits that still go out."""
+    machine.clocks = max(machine.clocks, machine.put_done)
 
 
 @njit(cache=True)
@@ -163,6 +183,7 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             shifter = value
         elif operation == _MULI:
             acc = muli(acc, value, shifter, counts[pc - 1])
+            machine.clocks += muli_steps(shifter, counts[pc - 1])
         elif operation == _MULF:
             acc = mulf(acc, value, shifter, counts[pc - 1])
         elif operation == _DIV:
@@ -175,12 +196,12 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             index = value & 7
         elif operation == _SHL:
             acc = cut(acc << (value & 63), GUARD)
-            machine.clocks += int(max(value & 63, 1))
+            machine.clocks += _shift_clocks(value & 63) + (mode != IMMEDIATE)
         elif operation == _SHR:
             acc >>= value & 63
-            machine.clocks += int(max(value & 63, 1))
+            machine.clocks += _shift_clocks(value & 63) + (mode != IMMEDIATE)
         elif operation == _GET:
-            machine.clocks += int(max(value & 63, 1))
+            machine.clocks += int(max(value & 63, 1)) + (mode != IMMEDIATE)
             for _ in range(value & 63):
                 bit = _line(words, machine)
                 if bit < 0:
@@ -212,17 +233,15 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             machine.run = int(acc & LARGEST_RUN)
             return RAW
         elif operation == _PUT:
-            machine.clocks += int(value)
-            for _ in range(value):
-                _give(machine, acc & 1, out)
-                acc >>= 1
+            _await_put(machine)
+            _give(machine, acc, value, out)
         elif operation == _WORD:
+            _await_put(machine)
             out[machine.count] = (acc >> layout.word_low) & ((np.int64(1) << layout.word_width) - 1)
             machine.count += 1
         elif operation == _ALIGN:
-            while machine.word_bits > 0:
-                _give(machine, np.int64(0), out)
-                machine.clocks += 1
+            _give(machine, np.int64(0), np.int64(-machine.word_bits % SETUP_WORD_BITS), out)
+            machine.put_done += 1
         else:
             low = cut(acc, WIDTH)
             if operation == _LOOP:
@@ -266,6 +285,7 @@ def _run(words: Words32, machine: _Machine, memory: Ints, layout: _Layout, out: 
             memory[:] = kept
             machine.begun = machine.count - count
             machine.bit, machine.count, machine.clocks = bit, count, clocks
+            machine.put_done = 0
             machine.word = machine.word_bits = 0
         if status != WHOLE:
             return status
