@@ -356,7 +356,7 @@ async def lights(dut: Any) -> None:
     payload = words.astype("<u4").tobytes()
     bench.check("triangles", await after(enclosed(body_of(Opcode.TRIANGLES, 0, payload))), 0b1011)
     if bench.config.with_vertices:
-        # Which are set up for longer than a light is on.
+        # Tables are cleared and a triangle is set up for longer than a light is on.
         await after(b"")
     bench.check("silence", await after(b""), 0)
     frames = parser.feed(await line.arrived())

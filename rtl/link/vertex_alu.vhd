@@ -102,7 +102,7 @@ begin
       elsif is_shift = '1' then
         other <= ahead;
       elsif is_halving = '1' and by_four = '1' then
-        other <= shift_right(value, 4);
+        other <= resize(value(sum_bits - 1 downto 4), sum_bits);
       elsif is_halving = '1' then
         other <= halved;
       elsif is_fold = '1' then

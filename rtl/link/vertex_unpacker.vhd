@@ -5,7 +5,7 @@
 -- a clock; no multiplier. Runs of packed words within pass to word_unpacker and come back.
 --
 -- Model: vertex_unpacker.py.  Test: test_vertex_unpacker.py.
--- Latency: about 4900 cycles of a packet with three quadratic channels and depth, 3100 of linear ones.
+-- Latency: the clocks that its model counts; test_vertex_unpacker.py compares them.
 -- Nothing in the program jumps back but counted loops: a packet ends whatever its bits say.
 
 library ieee;
@@ -60,28 +60,9 @@ architecture rtl of vertex_unpacker is
   );
   constant width : positive := vertex_width;
   constant word_low : natural := ratio_frac + sample_frac - frac_bits;
-  constant address_bits : positive := 10;
-  -- An instruction's fields: count, operand, mode, operation, and whether the next one waits.
-  constant mode_low : natural := count_bits + operand_bits;
-  constant operation_low : natural := mode_low + mode_bits;
-  constant waits_at : natural := operation_low + operation_bits;
-
   subtype number_t is u_signed(width - 1 downto 0);
-  subtype address_t is u_unsigned(address_bits - 1 downto 0);
-  subtype code_t is std_ulogic_vector(waits_at downto 0);
-  type program_t is array (0 to 2 ** address_bits - 1) of code_t;
-
-  function program_of(f : formats_t) return program_t is
-    constant instructions : natural_vector_t(0 to num_instructions - 1) := vertex_code(f);
-    variable result : program_t := (others => (others => '0'));
-  begin
-    for index in instructions'range loop
-      result(index) := std_ulogic_vector(to_unsigned(instructions(index), waits_at + 1));
-    end loop;
-    return result;
-  end function;
-
-  constant program : program_t := program_of(formats);
+  subtype address_t is u_unsigned(program_bits - 1 downto 0);
+  constant program : vertex_program_t := vertex_program(formats);
 
   type memory_t is array (0 to memory_words - 1) of std_ulogic_vector(width - 1 downto 0);
   signal memory : memory_t := (others => (others => '0'));
@@ -91,7 +72,7 @@ architecture rtl of vertex_unpacker is
   signal read_data : std_ulogic_vector(width - 1 downto 0);
 
   -- The instruction that is executed, the one behind it and the one behind that.
-  signal code, code_next, code_read : code_t := (others => '0');
+  signal code, code_next, code_read : vertex_code_t := (others => '0');
   signal operation : u_unsigned(operation_bits - 1 downto 0);
 
   type step_t is (jumping, jumped, fetching, loading, executing);
@@ -111,10 +92,12 @@ architecture rtl of vertex_unpacker is
   signal acc : u_signed(width + 1 downto 0);
   -- The operation shifts the accumulator; it takes as many steps as the operand says.
   signal shifts, counted : boolean;
-  signal load, is_zero, is_negative, spent : std_ulogic;
+  -- A zero of the line ends it.
+  signal tells : std_ulogic;
+  signal load, is_zero, spent : std_ulogic;
 
   -- The operation moves on; it is at its end; the next instruction is fetched; a jump is taken.
-  signal moves, done, quick, jump, ends, fetch, take_jump : std_ulogic;
+  signal moves, done, ends, fetch, take_jump : std_ulogic;
 
   -- A word of the line is shifted out of a register, the bit of line_index lowest.
   signal line_word : std_ulogic_vector(setup_word_bits - 1 downto 0) := (others => '0');
@@ -158,7 +141,7 @@ begin
     if unsigned(code_next(operation_low - 1 downto mode_low)) = mode_indexed then
       base := pointer + index;
     end if;
-    read_address <= base + unsigned(code_next(count_bits + address_bits - 1 downto count_bits));
+    read_address <= base + unsigned(code_next(count_bits + program_bits - 1 downto count_bits));
     fetched <= signed(read_data);
     if unsigned(code(operation_low - 1 downto mode_low)) = mode_immediate then
       fetched <= resize(signed(code(mode_low - 1 downto count_bits)), width);
@@ -168,7 +151,7 @@ begin
   load <= '1' when step = loading else '0';
   shifts <= operation = do_shl or operation = do_shr;
   counted <= shifts or operation = do_get;
-  is_negative <= acc(width - 1);
+  tells <= '1' when operation = do_ones else '0';
 
   -- What the operation needs of line and core, and whether this is its last cycle.
   control : process (all)
@@ -200,17 +183,9 @@ begin
         done <= not unpacking;
       end if;
     elsif operation = do_get or operation = do_ones then
-      done <= line_held and last_step;
-      if no_step = '1' then
-        done <= '1';
-      else
-        take <= line_held;
-        moves <= line_held;
-        if operation = do_ones and line_word(0) = '0' then
-          moves <= '0';
-          done <= line_held;
-        end if;
-      end if;
+      take <= line_held and not no_step;
+      moves <= line_held and not no_step and (line_word(0) or not tells);
+      done <= no_step or (line_held and (last_step or (tells and not line_word(0))));
     elsif operation = do_put then
       done <= gone;
     elsif operation = do_align then
@@ -218,28 +193,20 @@ begin
     elsif operation = do_word then
       done <= gone and not full;
     else
-      moves <= '1';
       done <= last_step or spent;
-      if no_step = '1' and (operation = do_shl or operation = do_shr) then
-        moves <= '0';
+      if not (shifts and no_step = '1') then
+        moves <= '1';
       end if;
     end if;
   end process;
 
   take_jump <= '1' when operation = do_jmp or operation = do_call or operation = do_ret
       or (operation = do_jz and is_zero = '1') or (operation = do_jnz and is_zero = '0')
-      or (operation = do_jn and is_negative = '1') or (operation = do_jnn and is_negative = '0')
+      or (operation = do_jn and acc(width - 1) = '1') or (operation = do_jnn and acc(width - 1) = '0')
       or (operation = do_loop and index + 1 < unsigned(code(count_bits - 1 downto 0)))
     else '0';
 
-  jump <= '1' when operation = do_jmp or operation = do_call or operation = do_ret or operation = do_loop
-      or operation = do_jz or operation = do_jnz or operation = do_jn or operation = do_jnn
-    else '0';
-  quick <= '1' when jump = '1' or operation = do_ld or operation = do_add or operation = do_sub
-      or operation = do_ldq or operation = do_st or operation = do_stq
-      or operation = do_ldp or operation = do_ldx
-    else '0';
-  ends <= '1' when done = '1' or (step = loading and quick = '1') else '0';
+  ends <= '1' when done = '1' or (step = loading and code(quick_at) = '1') else '0';
   fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0' and take_jump = '0') else '0';
 
   packed_valid <= fills or passes;
@@ -254,26 +221,19 @@ begin
       if by_four = '1' then
         rest := left - 4;
       end if;
-      if step = loading then
+      if step = loading and counted then
         -- Of an immediate operand, which alone is known now.
         rest := unsigned(code(2 * count_bits - 1 downto count_bits));
+      elsif step = loading then
+        rest := unsigned(code(count_bits - 1 downto 0));
       end if;
       steps := rest;
       if step = loading then
         step <= executing;
-        steps := (others => '0');
-        if operation = do_muli or operation = do_mulf then
-          steps := '0' & unsigned(code(count_bits - 1 downto 1));
-        elsif operation = do_div then
-          steps := unsigned(code(count_bits - 1 downto 0));
-        elsif operation = do_ones then
-          steps := to_unsigned(longest_prefix, count_bits);
-        elsif operation = do_raw then
-          steps := to_unsigned(1, count_bits);
-        elsif counted or operation = do_put then
+        if counted or operation = do_put then
           steps := unsigned(fetched(count_bits - 1 downto 0));
         elsif operation = do_ldp then
-          pointer <= unsigned(fetched(address_bits - 1 downto 0));
+          pointer <= unsigned(fetched(program_bits - 1 downto 0));
         elsif operation = do_ldx then
           index <= unsigned(fetched(2 downto 0));
         end if;
@@ -284,15 +244,8 @@ begin
       no_step <= '0';
       last_step <= '0';
       by_four <= '0';
-      if step = loading and not counted then
-        if operation = do_raw then
-          last_step <= '1';
-        elsif not (operation = do_muli or operation = do_mulf
-          or operation = do_div or operation = do_ones) then
-          no_step <= '1';
-          last_step <= '1';
-        end if;
-      elsif step = loading and unsigned(code(operation_low - 1 downto mode_low)) /= mode_immediate then
+      if step = loading and counted
+        and unsigned(code(operation_low - 1 downto mode_low)) /= mode_immediate then
         known <= '0';
       else
         if rest <= 1 or (shifts and rest = 4) then
@@ -329,7 +282,7 @@ begin
       end if;
       if step = loading then
         if take_jump = '1' then
-          pc <= unsigned(code(count_bits + address_bits - 1 downto count_bits));
+          pc <= unsigned(code(count_bits + program_bits - 1 downto count_bits));
         end if;
         if operation = do_call then
           returns(to_integer(depth)) <= pc - 2;

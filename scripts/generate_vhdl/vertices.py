@@ -15,18 +15,33 @@ HEADER = """\
 --
 -- Written by scripts/generate_vhdl from model/quadshade/contract/vertex_program.py: change it, `make rtl`.
 
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
 use work.quadshade_pkg.all;
 """
 
 OPERAND_BITS, COUNT_BITS, MODE_BITS = 16, 6, 2
-PER_LINE = 9
+PER_LINE = 8
 
 
 def _number(row: source.Instruction, operand: int, count: int) -> int:
-    """An instruction: count lowest, then operand (two's complement), mode, operation, whether it waits."""
-    operation = source.OPERATIONS.index(row.operation) | row.waits << len(source.OPERATIONS).bit_length()
+    """
+    An instruction: count lowest, then operand (two's complement), mode, operation, whether the next one
+    waits, and whether it is one of ``QUICK``.
+    """
+    flags = row.waits | (row.operation in source.QUICK) << 1
+    operation = source.OPERATIONS.index(row.operation) | flags << len(source.OPERATIONS).bit_length()
     bits = (operation << MODE_BITS | row.mode) << OPERAND_BITS
     return (bits | operand % (1 << OPERAND_BITS)) << COUNT_BITS | count
+
+
+def _steps(row: source.Instruction) -> str:
+    """The count as the unit has it: steps of an operation whose operand does not say them; a loop's end."""
+    if row.operation in ("muli", "mulf"):
+        return f"({row.times}) / 2"
+    return {"ones": str(source.LONGEST_PREFIX), "raw": "1"}.get(row.operation, row.times)
 
 
 def package(vhdl_expression: Callable[[str], str]) -> str:
@@ -41,7 +56,7 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
     instructions = source.program().instructions
     fixed, open_ = [], []
     for place, row in enumerate(instructions):
-        texts = (row.operand, row.times)
+        texts = (row.operand, _steps(row))
         named = any(re.search(r"[a-z]", text) for text in texts)
         numbers = (0, 0) if named else tuple(source.value_of(text, None) for text in texts)
         fixed.append(str(_number(row, *numbers)))
@@ -62,35 +77,46 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
         f"  constant ratio_frac : positive := {source.RATIO_FRAC};",
         f"  constant sample_frac : positive := {source.SAMPLE_FRAC};",
         f"  constant memory_words : positive := {source.MEMORY_WORDS};",
-        f"  constant longest_prefix : positive := {source.LONGEST_PREFIX};",
         f"  constant run_bits : positive := {source.RUN_BITS};",
         f"  constant spent_bits : positive := {source.SPENT_BITS};",
         "",
-        "  -- An instruction, lowest first: count, operand, mode, operation, whether the next one waits.",
+        "  -- An instruction, lowest first: count, operand, mode, operation, whether the next one waits, and",
+        "  -- whether it takes the clock of its operand alone.",
         f"  constant count_bits : positive := {COUNT_BITS};",
         f"  constant operand_bits : positive := {OPERAND_BITS};",
         f"  constant mode_bits : positive := {MODE_BITS};",
         f"  constant operation_bits : positive := {len(source.OPERATIONS).bit_length()};",
+        "  constant mode_low : positive := count_bits + operand_bits;",
+        "  constant operation_low : positive := mode_low + mode_bits;",
+        "  constant waits_at : positive := operation_low + operation_bits;",
+        "  constant quick_at : positive := waits_at + 1;",
+        "  subtype vertex_code_t is std_ulogic_vector(quick_at downto 0);",
+        "  constant program_bits : positive := 10;",
+        "  type vertex_program_t is array (0 to 2 ** program_bits - 1) of vertex_code_t;",
         f"  constant mode_indexed : natural := {source.INDEXED};",
         f"  constant mode_immediate : natural := {source.IMMEDIATE};",
         *(f"  constant do_{name} : natural := {i};" for i, name in enumerate(source.OPERATIONS)),
         "",
         f"  constant num_instructions : positive := {len(instructions)};",
-        "  function vertex_code(f : formats_t) return natural_vector_t;",
+        "  function vertex_program(f : formats_t) return vertex_program_t;",
         "",
         "end package vertex_pkg;",
         "",
         "package body vertex_pkg is",
         "",
-        "  function vertex_code(f : formats_t) return natural_vector_t is",
+        "  function vertex_program(f : formats_t) return vertex_program_t is",
         f"    variable code : natural_vector_t(0 to {len(instructions) - 1}) := (",
         *(f"      {row}," for row in rows[:-1]),
         f"      {rows[-1]}",
         "    );",
+        "    variable result : vertex_program_t := (others => (others => '0'));",
         "  begin",
         *open_,
-        "    return code;",
-        "  end function vertex_code;",
+        "    for index in code'range loop",
+        "      result(index) := std_ulogic_vector(to_unsigned(code(index), vertex_code_t'length));",
+        "    end loop;",
+        "    return result;",
+        "  end function vertex_program;",
         "",
     ]
     return "\n".join([*lines, "end package body vertex_pkg;", ""])

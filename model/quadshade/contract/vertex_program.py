@@ -108,7 +108,7 @@ NEEDS_SUM = ("ld", "st", "jz", "jnz", "jn", "jnn", "ones", "raw")
 """Operations that read or write the accumulator in the clock of their operand."""
 
 SPENT_BITS = 22
-"""``muli`` is over when so many lowest bits of what is left of the shift register, but the last, are the same."""
+"""``muli`` is over when so many lowest bits of the shift register, but the last, are the same."""
 
 DIRECT, INDEXED, IMMEDIATE = 0, 1, 2
 

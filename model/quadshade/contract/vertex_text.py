@@ -102,7 +102,8 @@ sorted_second:
 sorted:
     ldp v0; ld p+0; st x1; ld p+1; st y1; ldp v1; ld p+0; st xm; sub x1; st x2; ld p+1; st ym; sub y1
     st y2; ldp v2; ld p+0; st xb; sub x1; st x3; ld p+1; st yb; sub y1; st y3; ld y1; sub ym; st ny2
-    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; add y1; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1
+    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; add y1
+    add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1
     add trim_top; st y; st from; ld ym; add ym; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; st knee
     ld yb; add yb; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; sub trim_bottom; st bottom; sub y
     st rows; st rows_first; ld #0; st mirror; st has_second; st rows_second; ld y; sub knee; jnn header
@@ -175,8 +176,12 @@ pixel:
     shl #subpixel_bits; sub y1; sub y1; st down; ld wide; shr #1; ldq right; muli y3, 20; ldq down
     muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t; sub offset; st u; ld wide; shr #1
     ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t
-    sub offset; st v; ld nx3; ldq step; muli y3, 16; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pu; ld x2; ldq step; muli ny2, 16
-    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pv; ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st qu; ld qy2; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st qv; ld quadratic; jnz products
+    sub offset; st v; ld nx3; ldq step; muli y3, 16; shl #subpixel_bits - 4; add area; ldq #0
+    div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pu; ld x2; ldq step; muli ny2, 16
+    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pv
+    ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t
+    sub offset; st qu; ld qy2; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5
+    stq t; ld t; sub offset; st qv; ld quadratic; jnz products
     jmp channels
 """
 
@@ -267,8 +272,8 @@ def program_text() -> str:
         lines += [f"ld {name}", f"add {name}", f"st twice_{name}"]
     for target, first, second in PRODUCTS:
         lines += [*_product(first, second), f"st {target}"]
-    for target, first, second, then in SUMS:
-        (sum_first, one), (sum_second, other) = _factor(first, "d"), _factor(second, "e")
+    for target, parts, others, then in SUMS:
+        (sum_first, one), (sum_second, other) = _factor(parts, "d"), _factor(others, "e")
         lines += [*sum_first, *sum_second, *_product(one, other), *then, f"st {target}"]
     lines += ["channels:", "align", "ldx #0", "channel:", "ld quadratic", "jnz quadratic_channel"]
     lines += [*_LINEAR, *_words(LINEAR_TERMS, "shift_colour", "half_colour"), "jmp channel_done"]

@@ -41,6 +41,12 @@ def muli_steps(shifter: Int, count: int) -> int:
 
 
 @njit(cache=True)
+def shift_clocks(count: Int) -> int:
+    """Clocks of a shift by so many bits: four at a time, then one."""
+    return int(max(count // 4 + count % 4, 1))
+
+
+@njit(cache=True)
 def mulf(acc: Int, operand: Int, shifter: Int, count: int) -> Int:
     """Floor of (accumulator + operand times the lowest bits of the shift register) / 2**count."""
     left, digits = cut(shifter, count), count

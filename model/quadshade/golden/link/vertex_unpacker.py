@@ -29,7 +29,7 @@ from quadshade.contract.vertex_program import (
     check_formats,
     evaluated,
 )
-from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli, muli_steps
+from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli, muli_steps, shift_clocks
 from quadshade.golden.link.word_unpacker import WordUnpacker
 
 _LD, _ADD, _SUB, _LDQ, _MULI, _MULF, _DIV, _ST, _STQ, _LDP, _LDX, _LOOP = range(12)
@@ -131,18 +131,6 @@ def _give(machine: _Machine, value: Int, bits: Int, out: Words32) -> None:
 
 
 @njit(cache=True)
-def _shift_clocks(count: Int) -> int:
-    """Of so many bits, four at a time."""
-    return int(max(count // 4 + count % 4, 1))
-
-
-@njit(cache=True)
-def _await_put(machine: _Machine) -> None:
-    """Wait for the bits that still go out."""
-    machine.clocks = max(machine.clocks, machine.put_done)
-
-
-@njit(cache=True)
 def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout, out: Words32) -> int:
     """
     Run from the start of a packet to that of the next one; how it ended.
@@ -196,10 +184,10 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             index = value & 7
         elif operation == _SHL:
             acc = cut(acc << (value & 63), GUARD)
-            machine.clocks += _shift_clocks(value & 63) + (mode != IMMEDIATE)
+            machine.clocks += shift_clocks(value & 63) + (mode != IMMEDIATE)
         elif operation == _SHR:
             acc >>= value & 63
-            machine.clocks += _shift_clocks(value & 63) + (mode != IMMEDIATE)
+            machine.clocks += shift_clocks(value & 63) + (mode != IMMEDIATE)
         elif operation == _GET:
             machine.clocks += int(max(value & 63, 1)) + (mode != IMMEDIATE)
             for _ in range(value & 63):
@@ -233,10 +221,10 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             machine.run = int(acc & LARGEST_RUN)
             return RAW
         elif operation == _PUT:
-            _await_put(machine)
+            machine.clocks = max(machine.clocks, machine.put_done)
             _give(machine, acc, value, out)
         elif operation == _WORD:
-            _await_put(machine)
+            machine.clocks = max(machine.clocks, machine.put_done)
             out[machine.count] = (acc >> layout.word_low) & ((np.int64(1) << layout.word_width) - 1)
             machine.count += 1
         elif operation == _ALIGN:
