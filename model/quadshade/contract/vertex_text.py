@@ -19,6 +19,8 @@ parameters:
     ldx #0; ldp #@k_place
 parameter:
     ld #0; get #PARAMETER_BITS; st p+0; loop parameter, len_parameters
+    ld #1; shl k_place; st b_place; ld #1; shl k_colour; st b_colour; ld #1; shl k_depth; st b_depth
+    ld #1; shl k_middle; st b_middle
     ld #1; shl shift_colour; shl #RATIO_FRAC + SAMPLE_FRAC - 1; st half_colour; ld #1; shl shift_depth
     shl #RATIO_FRAC + SAMPLE_FRAC - frac_bits + depth_frac_bits * with_depth; shr #1; st half_depth
     ld #1; shl #RATIO_FRAC + 4; st offset; ld #0; st next_vertex; st v0; st v1; st v2; st m0; st m1
@@ -55,12 +57,20 @@ point:
     ld #0; get #1; jnz new_point
     get #6; shl #3; ret
 new_point:
-    ldx #0; ld k_place; st k; call residual; call keep; ldx #1; call residual; call keep; ld #0; st e
-    ld k_colour; st k; ldx #2
+    ld #0; get #1; st moved; jnz moved_point
+    ldx #0; ld k_place; st k; ld b_place; st bias; call residual; call keep; ldx #1; call residual
+    call keep; jmp point_colours
+moved_point:
+    ld #0; get #6; shl #3; st slot; ldx #0
+    ldp slot; ld p+0; ldp next_vertex; st p+0; ldp slot; ld p+1; ldp next_vertex; st p+1
+    ldp slot; ld p+2 + num_channels; ldp next_vertex; st p+2 + num_channels
+point_colours:
+    ld #0; st e; ld k_colour; st k; ld b_colour; st bias; ldx #2
 point_colour:
     call residual; add e; st e; call keep; loop point_colour, 2 + num_channels
     ld #with_depth; jz point_whole
-    ld k_depth; st k; call residual; call keep
+    ld moved; jnz point_whole
+    ld k_depth; st k; ld b_depth; st bias; call residual; call keep
 point_whole:
     ldx #0; ld next_vertex; st slot; add #VERTEX_WORDS; st next_vertex; add #0 - MIDDLES_AT
     jn point_kept
@@ -71,14 +81,14 @@ keep:
     st t; ldp pa; ld p+0; ldp pb; add p+0; ldp px; sub p+0; add t; ldp next_vertex; st p+0; ret
 residual:
     ones; add #0 - LONGEST_PREFIX; jz long_residual
-    add #LONGEST_PREFIX; get k; fold; ret
+    add #LONGEST_PREFIX; add k; st n; ld #1; get n; sub bias; fold; ret
 long_residual:
     get #LONG_BITS; fold; ret
 middle:
     ld #0; get #1; jnz new_middle
     get #6; shl #2; add #MIDDLES_AT; ret
 new_middle:
-    ldx #0; ld #0; st e; ld k_middle; st k
+    ldx #0; ld #0; st e; ld k_middle; st k; ld b_middle; st bias
 middle_colour:
     call residual; add e; st e; ldp pa; ld p+2; ldp pb; add p+2; shr #1; add e; ldp next_middle; st p+0
     loop middle_colour, num_channels

@@ -29,15 +29,8 @@ from quadshade.errors import QuadshadeError
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.packing.pack import Packed, pack_primitives
 from quadshade.packing.read_primitives import read_primitives
-from quadshade.packing.vertices import (
-    MOST_TOKENS,
-    Points,
-    Tokens,
-    rice_parameters,
-    run_head,
-    tokens_of,
-    write_tokens,
-)
+from quadshade.packing.vertex_code import Tokens, code_parameters, run_head, write_tokens
+from quadshade.packing.vertices import MOST_TOKENS, Points, tokens_of
 from quadshade.setup.packet import Primitives
 from quadshade.setup.quantise import largest_error
 from quadshade.setup.short_words import Regions, primitive_regions
@@ -107,7 +100,7 @@ def _encode(points: Points, parameters: np.ndarray, packed: np.ndarray, ends: np
     room = MOST_TOKENS * len(points.sent) + 1
     tokens = Tokens(np.zeros(room, np.int8), np.zeros(room, np.int64), np.zeros(room, np.int8))
     count = tokens_of(points, tokens)
-    rice_parameters(tokens, count, parameters)
+    code_parameters(tokens, count, parameters)
     # No token has more bits than the longest residual; runs begin at whole words.
     out = np.zeros(count * 2 + 2 * len(packed) + 8, np.uint32)
     bits = write_tokens(tokens, count, parameters, packed, ends, out)

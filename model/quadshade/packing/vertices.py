@@ -3,7 +3,8 @@
 Triangles to packets that carry vertices (``docs/reference/vertices.md``): points, and tokens of the line.
 
 A triangle that shares an edge with the one before it names the corner that it drops. Other corners and edge
-middles are named from the tables of the last 64, or sent as what is left of a prediction, in Rice codes.
+middles are named from the tables of the last 64, or sent as what is left of a prediction, in codes of
+Exponential-Golomb: of hard edges some is left, of smooth surfaces little.
 """
 
 from __future__ import annotations
@@ -13,23 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from quadshade.contract.arrays import Bools, Int, Ints, Words32
-from quadshade.contract.formats import SETUP_WORD_BITS
-from quadshade.contract.vertex_program import (
-    LARGEST_RUN,
-    LARGEST_TRIM,
-    LONG_BITS,
-    LONGEST_PREFIX,
-    MIDDLES,
-    PARAMETER_BITS,
-    RUN_BITS,
-    VERTICES,
-)
+from quadshade.contract.arrays import Bools, Int, Ints
+from quadshade.contract.vertex_program import LARGEST_TRIM, LONGEST_PREFIX, MIDDLES, VERTICES
+from quadshade.packing.vertex_code import BITS, COLOUR, DEPTH, MIDDLE, ONES, PLACE, RUN, Tokens
 
-PLACE, COLOUR, DEPTH, MIDDLE, BITS, ONES, RUN = range(7)
-"""Kinds of tokens: residuals by their parameter, bits, a number of ones and a zero, a run of packed words."""
-
-NUM_RICE = 4
 MOST_TOKENS = 48
 """More than a triangle has."""
 
@@ -72,14 +60,6 @@ class _Tables(NamedTuple):
     middles_at: Ints
 
 
-class Tokens(NamedTuple):
-    """Kind and value of what the line carries, and the bits of plain ones."""
-
-    kinds: Ints
-    values: Ints
-    bits: Ints
-
-
 @njit(cache=True)
 def _equal(first: Ints, second: Ints) -> bool:
     for index in range(len(first)):
@@ -105,6 +85,17 @@ def _find(ring: Ints, count: int, point: Ints) -> int:
 
 
 @njit(cache=True)
+def _find_place(ring: Ints, count: int, point: Ints, colours: int) -> int:
+    """As :func:`_find`, of a corner at the same place and depth, whatever its colours."""
+    for age in range(min(count, _RING - 3)):
+        place = (count - 1 - age) % _RING
+        same = ring[place, 0] == point[0] and ring[place, 1] == point[1]
+        if same and _equal(ring[place, 2 + colours :], point[2 + colours :]):
+            return place
+    return -1
+
+
+@njit(cache=True)
 def _token(tokens: Tokens, at: int, kind: int, value: Int, bits: int) -> int:
     tokens.kinds[at], tokens.values[at], tokens.bits[at] = kind, value, bits
     return at + 1
@@ -120,15 +111,20 @@ def _corner(
         tables.at[slot] = place
         at = _token(tokens, at, BITS, np.int64(0), 1)
         return _token(tokens, at, BITS, np.int64(place), 6)
-    at = _token(tokens, at, BITS, np.int64(1), 1)
-    at = _token(tokens, at, PLACE, point[0] - base[0], 0)
-    at = _token(tokens, at, PLACE, point[1] - base[1], 0)
+    there = _find_place(tables.corners, tables.counts[0], point, colours)
+    if there >= 0:
+        at = _token(tokens, at, BITS, np.int64(0b11), 2)
+        at = _token(tokens, at, BITS, np.int64(there), 6)
+    else:
+        at = _token(tokens, at, BITS, np.int64(0b10), 2)
+        at = _token(tokens, at, PLACE, point[0] - base[0], 0)
+        at = _token(tokens, at, PLACE, point[1] - base[1], 0)
     before = np.int64(0)
     for index in range(2, 2 + colours):
         left = point[index] - base[index]
         at = _token(tokens, at, COLOUR, left - before, 0)
         before = left
-    if len(point) > 2 + colours:
+    if there < 0 and len(point) > 2 + colours:
         at = _token(tokens, at, DEPTH, point[2 + colours] - base[2 + colours], 0)
     place = tables.counts[0] % _RING
     tables.corners[place] = point
@@ -273,108 +269,6 @@ def tokens_of(points: Points, tokens: Tokens) -> int:
         begun, was_quadratic = True, quadratic
     if run:
         at = _token(tokens, at, RUN, np.int64(run), 0)
-    return at
-
-
-@njit(cache=True)
-def _folded(value: Int) -> Int:
-    """0, -1, 1, -2, 2 become 0, 1, 2, 3, 4."""
-    return 2 * value if value >= 0 else -2 * value - 1
-
-
-@njit(cache=True)
-def rice_parameters(tokens: Tokens, count: int, parameters: Ints) -> None:
-    """The parameter of each kind of residuals with the fewest bits (``parameters``, (4,))."""
-    most = 16
-    costs = np.zeros((NUM_RICE, most), np.int64)
-    for at in range(count):
-        kind = tokens.kinds[at]
-        if kind < NUM_RICE:
-            left = _folded(tokens.values[at])
-            for k in range(most):
-                ones = left >> k
-                costs[kind, k] += ones + 1 + k if ones < LONGEST_PREFIX else LONGEST_PREFIX + LONG_BITS
-    for kind in range(NUM_RICE):
-        parameters[kind] = np.argmin(costs[kind])
-
-
-@njit(cache=True)
-def _put_bit(out: Words32, at: int, bit: Int) -> int:
-    out[at // SETUP_WORD_BITS] |= np.uint32(np.uint32(bit) << np.uint32(at % SETUP_WORD_BITS))
-    return at + 1
-
-
-@njit(cache=True)
-def _put(out: Words32, at: int, value: Int, bits: int) -> int:
-    """So many bits of a value, the highest first."""
-    for place in range(bits - 1, -1, -1):
-        at = _put_bit(out, at, (value >> place) & 1)
-    return at
-
-
-@njit(cache=True)
-def _put_ones(out: Words32, at: int, count: int) -> int:
-    """So many ones and a zero, which the longest row of ones does not need."""
-    for _ in range(count):
-        at = _put_bit(out, at, np.int64(1))
-    return at + (count < LONGEST_PREFIX)
-
-
-def run_head(count: int) -> np.ndarray:
-    """(m,) uint32: what stands before so many packed words."""
-    out = np.zeros(1 + (3 + RUN_BITS) // SETUP_WORD_BITS, np.uint32)
-    _put(out, _put(out, 0, np.int64(0b111), 3), np.int64(count), RUN_BITS)
-    return out
-
-
-@njit(cache=True)
-def write_tokens(
-    tokens: Tokens, count: int, parameters: Ints, packed: Words32, ends: Ints, out: Words32
-) -> int:
-    """
-    Write parameters and tokens; returns the number of bits.
-
-    Parameters
-    ----------
-    tokens, count
-      From :func:`tokens_of`.
-    parameters : (6,) int64
-    packed : (m,) uint32
-      Packed words of the runs, each from a whole word on.
-    ends : (k,) int64
-      Where each run's words end.
-    out : uint32, written
-      Zeros, and long enough.
-    """
-    at = _put(out, 0, np.int64(0b110), 3)
-    for parameter in parameters:
-        at = _put(out, at, parameter, PARAMETER_BITS)
-    run = 0
-    for index in range(count):
-        kind, value = tokens.kinds[index], tokens.values[index]
-        if kind == BITS:
-            at = _put(out, at, value, tokens.bits[index])
-        elif kind == ONES:
-            at = _put_ones(out, at, value)
-        elif kind == RUN:
-            start, end = (ends[run - 1] if run else 0), ends[run]
-            while start < end:
-                size = min(end - start, LARGEST_RUN)
-                at = _put(out, at, np.int64(0b111), 3)
-                at = _put(out, at, np.int64(size), RUN_BITS)
-                word = -(-at // SETUP_WORD_BITS)
-                out[word : word + size] = packed[start : start + size]
-                at = (word + size) * SETUP_WORD_BITS
-                start += size
-            run += 1
-        else:
-            left = _folded(value)
-            k = parameters[kind]
-            ones = left >> k
-            if ones < LONGEST_PREFIX:
-                at = _put(out, _put_ones(out, at, ones), left & ((np.int64(1) << k) - 1), k)
-            else:
-                at = _put(out, _put_ones(out, at, LONGEST_PREFIX), left, LONG_BITS)
     return at
 
 
