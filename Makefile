@@ -195,9 +195,10 @@ cho: setup ## Cho's tables on a teapot of 896 triangles, 60 views; writes docs/r
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.cho.tables
 
 .PHONY: linkbytes
-linkbytes: setup ## bytes of a triangle on the line, whole and by part; writes link_bytes.md and link_parts.md
+linkbytes: setup ## bytes of a triangle on the line; writes link_bytes.md, link_parts.md, link_vertices.md
 	@$(VENV) -m scripts.experiments.link_bytes
 	@$(VENV) -m scripts.experiments.link_parts
+	@$(VENV) -m scripts.experiments.link_vertices
 
 .PHONY: readback
 readback: setup ## bytes on the line of a board's picture, or of its CRC; writes docs/reports/readback.md

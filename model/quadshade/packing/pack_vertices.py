@@ -142,12 +142,17 @@ class VertexPacked:
       With the board's words where sent, and bounds that hold for them.
     """
 
-    def __init__(self, points: Points, parameters: np.ndarray, primitives: Primitives) -> None:
+    def __init__(
+        self, points: Points, parameters: np.ndarray, primitives: Primitives, whole: np.ndarray
+    ) -> None:
         self._points, self._parameters, self.primitives = points, parameters, primitives
+        self._whole = whole
         self.sent: Bools = points.sent
 
     def words(self, packed: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """(m,) uint32 for the line, with runs of packed words of the others between."""
+        if self.sent.all():
+            return self._whole
         return _encode(self._points, self._parameters, packed, ends)
 
 
@@ -205,7 +210,7 @@ def choose_vertices(
     board_words[rows[kept]], orders[rows[kept]] = drawn.words[kept], drawn.orders[kept]
     bound[rows[kept]] += added[kept]
     return VertexPacked(
-        points, parameters, replace(primitives, words=board_words, bound=bound, orders=orders)
+        points, parameters, replace(primitives, words=board_words, bound=bound, orders=orders), words
     )
 
 

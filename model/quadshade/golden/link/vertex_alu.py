@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from quadshade.contract.arrays import Int
@@ -59,12 +60,29 @@ def mulf(acc: Int, operand: Int, shifter: Int, count: int) -> Int:
 
 
 @njit(cache=True)
+def _quotient(acc: Int, operand: Int, count: int) -> tuple[Int, Int]:
+    """As :func:`div` of what is no more than a fraction, which takes as many bits of it at a time as fit."""
+    quotient: Int = np.int64(0)
+    while count > 0:
+        bits = min(count, 62 - WIDTH)
+        wide = acc << bits
+        digits = wide // operand
+        acc = wide - digits * operand
+        quotient = quotient << bits | digits
+        count -= bits
+    # The last bit was 0: the remainder that does not restore is below 0.
+    return (acc if quotient & 1 else acc - operand), quotient
+
+
+@njit(cache=True)
 def div(acc: Int, operand: Int, shifter: Int, count: int) -> tuple[Int, Int]:
     """
     Steps of the non-restoring division of accumulator and shift register; what both then are.
 
     The quotient's bits are those of the restoring one; a remainder below 0 lacks the operand.
     """
+    if shifter == 0 and 0 <= acc < operand < 1 << (WIDTH - 2):
+        return _quotient(acc, operand, count)
     below = False
     for _ in range(count):
         ahead = 2 * acc + ((shifter >> (WIDTH - 1)) & 1)
