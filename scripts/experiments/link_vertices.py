@@ -105,9 +105,9 @@ def report(rows: list[dict]) -> str:
     first = paragraph(
         f"""
         Written by `make linkbytes`; {WIDTH}x{HEIGHT}, in perspective, with depth, packed to {PACK_ERROR:g}
-        grey levels. [vertices.md](../reference/vertices.md) is the format. Everything counts for a drawn triangle:
-        mean bytes on the line with COBS, header and CRC; clocks of `vertex_unpacker`, and those of its bytes
-        on a line of 3 Mbaud at 100 MHz; processor time of packing, beside that of packed fields.
+        grey levels. [vertices.md](../reference/vertices.md) is the format. Everything counts for a drawn
+        triangle: mean bytes on the line with COBS, header and CRC; clocks of `vertex_unpacker`, and those of
+        its bytes on a line of 3 Mbaud at 100 MHz; processor time of packing, beside that of packed fields.
         """
     )
     last = paragraph(
