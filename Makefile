@@ -217,7 +217,7 @@ scale: setup ## tiles against one screen, and pictures shared by boards, write d
 	@$(VENV) -m scripts.experiments.scale
 
 .PHONY: sdram
-sdram: setup ## what a picture in SDRAM would take of memory, block RAM and line, write docs/reports/sdram.md
+sdram: setup ## what a picture in SDRAM takes of memory, line and clocks, write docs/reports/sdram.md
 	@$(VENV) -m scripts.experiments.sdram_budget
 
 .PHONY: faults-rtl

@@ -36,15 +36,16 @@ module top (
 
   wire video_next, sdram_mask, sdram_drive;
   wire [29:0] video_words;
-  wire [15:0] sdram_data;
+  wire [15:0] sdram_data, sdram_word;
   board board_inst (
     .clk(clk), .reset(reset), .rx(ftdi_txd), .tx(ftdi_rxd), .led(led),
     .video_next(video_next), .video_words(video_words),
     .sdram_command({sdram_ras_n, sdram_cas_n, sdram_we_n}), .sdram_mask(sdram_mask), .sdram_bank(sdram_ba),
-    .sdram_address(sdram_a), .sdram_drive(sdram_drive), .sdram_data_out(sdram_data), .sdram_data_in(sdram_d)
+    .sdram_address(sdram_a), .sdram_drive(sdram_drive), .sdram_data_out(sdram_data),
+    .sdram_data_in(sdram_word)
   );
 
-  assign sdram_d = sdram_drive ? sdram_data : 16'bz;
+  BB data_pins [15:0] (.B(sdram_d), .I(sdram_data), .T(!sdram_drive), .O(sdram_word));
   assign sdram_dqm = {2{sdram_mask}};
   assign sdram_cke = 1'b1;
   assign sdram_cs_n = 1'b0;
