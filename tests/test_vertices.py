@@ -33,6 +33,7 @@ from quadshade.packing.frame_file import (
     pack_frame,
     read_frame_file,
 )
+from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import pack_primitives
 from quadshade.packing.pack_vertices import as_run, choose_vertices, pack_vertices, unpack_vertices
 from quadshade.scene import load_scene, parse_camera, project
@@ -148,6 +149,28 @@ def test_bytes_on_the_line(name: str, shading: str, most: float) -> None:
     drawn = len(np.unique(primitives.triangle))
     assert line_bytes(words) <= most * drawn
     assert line_bytes(words) < line_bytes(pack_primitives(primitives, Formats()).words) / 3
+
+
+def test_triangles_are_sent_from_neighbour_to_neighbour(seed: int) -> None:
+    """What was shuffled takes little more than the strips that it was; strips, and what is painted, stay."""
+    formats = Formats()
+    _, strips = scene("torus:288", "gouraud")
+    shuffled = strips.ordered(np.random.default_rng(seed).permutation(len(strips)))
+
+    def size(triangles: ScreenTriangles) -> int:
+        return line_bytes(pack_vertices(setup_triangles(triangles, formats), triangles, formats).words)
+
+    again = ordered_for_vertices(shuffled, formats)
+    assert sorted(map(bytes, again.vertices)) == sorted(map(bytes, strips.vertices))
+    assert size(again) < 1.2 * size(strips) < size(shuffled) / 1.5
+    painted = replace(shuffled, depth=None)
+    for kept in (strips, painted, strips.ordered(np.arange(1)), strips.ordered(np.arange(0))):
+        assert np.array_equal(ordered_for_vertices(kept, formats).vertices, kept.vertices)
+    # An edge of many triangles, the same one again and again, and single points.
+    same = strips.ordered(np.zeros(40, int))
+    points = replace(same, vertices=np.zeros_like(same.vertices))
+    for many in (same, points):
+        assert len(ordered_for_vertices(many, formats)) == 40
 
 
 def test_what_cannot_go_as_vertices_goes_as_packed_words(seed: int) -> None:

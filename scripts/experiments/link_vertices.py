@@ -20,6 +20,7 @@ from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.files.markdown import markdown_table
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.packing.frame_file import line_bytes
+from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import pack_primitives
 from quadshade.packing.pack_vertices import choose_vertices, pack_vertices
 from quadshade.scene import load_scene, parse_camera, project
@@ -58,6 +59,7 @@ def measure(scene: str, shading: str) -> dict:
     mesh = load_scene(scene)
     projected = project(mesh, parse_camera(CAMERAS["perspective"], mesh), WIDTH, HEIGHT)
     triangles, formats = triangles_of(projected, shading)
+    triangles = ordered_for_vertices(triangles, formats)
     primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
     drawn = len(np.unique(primitives.triangle))
     plain = pack_primitives(primitives, formats)
@@ -112,9 +114,9 @@ def report(rows: list[dict]) -> str:
     )
     last = paragraph(
         f"""
-        {speed} part.stl keeps its file's order, in which neighbours are far apart: most corners have left the
-        table of 64 before they are named again. Its faces are flat, so the corners at a crease have colours
-        of their own; they name the place and send the colours.
+        {speed} part.stl's file goes from feature to feature, and its corners at a crease have colours of
+        their own: it is sent in another order, from neighbour to neighbour, and such a corner names the place
+        and sends colours alone.
         """
     )
     return f"""\

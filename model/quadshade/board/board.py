@@ -29,6 +29,7 @@ from quadshade.golden.board import DrawnScreen
 from quadshade.link.session import MAX_WORDS, Session
 from quadshade.link.transport import FaultyTransport, Transport
 from quadshade.packing.frame_file import FrameFile
+from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import packed_writes
 from quadshade.packing.pack_vertices import as_run
 from quadshade.setup.triangle_setup import setup_triangles
@@ -294,11 +295,12 @@ class Board(BoardReader):
             self._pixels.append(draw_model(matched, formats, "model", limit=limit, **setup).pixels)
             notices.append(fallbacks.painters_notice(self._pixels, self.width, self.height))
             matched = replace(matched, depth=None)
+        if self._vertices:
+            matched = ordered_for_vertices(matched, self.formats)
         primitives = setup_triangles(matched, self.formats, limit=limit, **setup)
         watch = Watch(self.session, self.clock, self.simulated is None, deadline)
         packed = watch.packed(primitives, matched, self.formats, pack_error)
-        missed = () if deadline is None else uncounted(self.identity)
-        for text in (*notices, *missed, *watch.notices):
+        for text in (*notices, *(() if deadline is None else uncounted(self.identity)), *watch.notices):
             self._notice(text)
         if matched.shade is not None:
             self.state(matched.shade, packed.words)

@@ -23,12 +23,12 @@ from quadshade.contract.protocol import MAX_PAYLOAD, SEQUENCES, WORD_BYTES, Opco
 from quadshade.contract.releases import other_release
 from quadshade.contract.shade_state import colour_state
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.contract.vertex_program import check_formats
 from quadshade.errors import QuadshadeError
 from quadshade.golden.screen.plane_reader import COLOUR, DEPTH
 from quadshade.golden.screen.screen import Screen
 from quadshade.golden.shade import render_core
 from quadshade.link.frames import Frame
+from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import Packed, pack_primitives, unpack
 from quadshade.packing.pack_vertices import as_run, pack_vertices, unpack_vertices
 from quadshade.setup.triangle_setup import setup_triangles
@@ -179,7 +179,7 @@ def pack_frame(
     if formats.value_bits != BOARD_VALUE_BITS:
         raise QuadshadeError(f"generic value_bits is {formats.value_bits}", "a board's colours have 8 bits")
     if vertices:
-        check_formats(formats)
+        triangles = ordered_for_vertices(triangles, formats)
     primitives = setup_triangles(triangles, formats, limit=limit, **setup)
     if vertices:
         batch = pack_vertices(primitives, triangles, formats, error)
