@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,14 @@ from quadshade.choices import PACK_ERROR
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
+from quadshade.contract.vertex_program import (
+    IMMEDIATE,
+    JUMPS,
+    MEMORY_WORDS,
+    REVISION,
+    SCRATCH_AT,
+    program,
+)
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
 from quadshade.golden.compiled import draw_fast
@@ -199,6 +208,59 @@ def test_every_packet_ends_whatever_its_bits(seed: int) -> None:
     unpacker.feed(words[: len(words) // 2])
     unpacker.feed(np.zeros(64, np.uint32))
     assert not unpacker.within
+
+
+def test_the_program_ends_each_packet() -> None:
+    """But for counted loops no instruction comes twice in a packet, and every call finds its way back."""
+    code = program().instructions
+    counted = {pc for pc, row in enumerate(code) if row.operation == "loop"}
+    start = next(pc for pc, row in enumerate(code) if row.operation == "start")
+
+    def follows(pc: int) -> list[int]:
+        row = code[pc]
+        if row.operation == "ret":
+            return []
+        target = [int(row.operand)] if row.operation in JUMPS and pc not in counted else []
+        # The next packet begins anew.
+        return [at for at in target + [pc + 1] * (row.operation != "jmp") if at != start]
+
+    cleared = [
+        (pc, int(row.operand))
+        for pc, row in enumerate(code)
+        if row.operation in ("jz", "jnz", "jn", "jnn") and start < int(row.operand) <= pc
+    ]
+    # Tables are emptied eight words a time, up to their end: the only jump back that is not counted.
+    ((back, begin),) = cleared
+    rises = [row[:3] for row in code[begin:back]]
+    assert ("add", IMMEDIATE, "8") in rises and ("add", IMMEDIATE, f"0 - {SCRATCH_AT}") in rises
+    depths: dict[int, int] = {}
+    open_: set[int] = set()
+
+    def depth(pc: int) -> int:
+        """Calls that an instruction and those behind it make, one within another."""
+        assert pc not in open_, f"instruction {pc} comes again"
+        if pc not in depths:
+            open_.add(pc)
+            calls = code[pc].operation == "call"
+            ways = [at for at in follows(pc) if (pc, at) != (back, begin)]
+            depths[pc] = max((depth(at) + (calls and at != pc + 1) for at in ways), default=0)
+            open_.discard(pc)
+        return depths[pc]
+
+    # From the end on, so that no way is deep; what comes again is met before that.
+    for pc in reversed(range(len(code))):
+        depth(pc)
+    assert 1 <= depth(start) <= 3
+    assert all(0 <= int(row.operand) < len(code) for row in code if row.operation in JUMPS)
+    assert len(code) <= 1024 and max(program().places.values()) < MEMORY_WORDS
+
+
+def test_a_revision_means_the_same_words() -> None:
+    """What comes of any words for a board's whole life: with another answer REVISION has to rise."""
+    words = np.random.default_rng(20).integers(0, 1 << 32, 600, dtype=np.uint64).astype(np.uint32)
+    head = np.array([0x00A28CB3], np.uint32)
+    given = VertexUnpacker(Formats()).feed(np.concatenate([head, words | 1]))
+    assert (REVISION, len(given), zlib.crc32(given.astype("<u4").tobytes())) == (1, 1568, 1071336866)
 
 
 def test_a_file_says_which_words_it_has() -> None:
