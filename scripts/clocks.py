@@ -17,7 +17,7 @@ from quadshade.engine.tool_runner import announce, package_version
 from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
 from quadshade.synthesis.bitstream import ENTITY, TOP, BoardFile, read_board
-from quadshade.synthesis.crossings import Crossing, compare, read_clocks
+from quadshade.synthesis.crossings import TIMED, Crossing, compare, read_clocks
 from quadshade.synthesis.families import find_family
 from quadshade.synthesis.flow import YOSYS, run_yosys
 from scripts.one_line_errors import Failure, one_line_errors
@@ -94,7 +94,7 @@ def page(found: dict[str, list[Crossing]], table: Sequence[dict[str, str]]) -> s
             crossing.source_clock or "none",
             f"`{crossing.sink}`",
             crossing.sink_clock,
-            crossing.kind,
+            crossing.kind or TIMED,
             next(row["why"] for row in table if not compare([crossing], [row])[0]),
             ", ".join(names),
         )

@@ -83,14 +83,14 @@ def found_in(verilog: str, folder: Path) -> list[Crossing]:
     return crossings_of([folder / "top.v"], "ecp5")
 
 
-@pytest.mark.parametrize("name", ["icebreaker", "ulx3s-25f"])
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s-12f-sdram"])
 def test_crossings_of_a_board_are_those_of_the_table(name: str) -> None:
     table = read_table(ROOT)
     found = crossings_of_board(read_board(name, ROOT), ROOT)
     faults, used = compare(found, table)
     assert not faults
     # The larger one has every row of the table; the report shows them all.
-    assert used == (set(range(len(table))) if name == "ulx3s-25f" else {0, 1})
+    assert used == (set(range(len(table))) if name == "ulx3s-12f-sdram" else {0, 1})
     assert all(f"`{crossing.sink}`" in page({name: found}, table) for crossing in found)
 
 

@@ -27,6 +27,8 @@ NOT_LOGIC = ("$dlatch", "$adlatch", "$sr", "$ff", "$paramod")
 """What else Yosys' own cells' names begin with."""
 
 KINDS = ("synchroniser", "held")
+TIMED = "timed"
+"""In the table, of what the netlist does not protect: a data sheet says when the value stands still."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ class ClockNetlist:
         self.loads: defaultdict[Bit, int] = defaultdict(int)
         for name, port in module["ports"].items():
             for bit in port["bits"]:
-                if port["direction"] == "input":
+                if port["direction"] != "output":
                     self.origin[bit] = name, ""
                 else:
                     self.loads[bit] += 1
@@ -125,7 +127,7 @@ class ClockNetlist:
 
     def _add(self, name: str, cell: Mapping[str, Any]) -> None:
         kind, ports, ways = cell["type"], cell["connections"], cell["port_directions"]
-        inputs = {port: bits for port, bits in ports.items() if ways[port] == "input"}
+        inputs = {port: bits for port, bits in ports.items() if ways[port] != "output"}
         for bits in inputs.values():
             for bit in bits:
                 self.loads[bit] += 1
@@ -303,6 +305,6 @@ def compare(found: list[Crossing], table: list[Mapping[str, str]]) -> tuple[list
             continue
         used.update(rows)
         wanted = table[rows[0]]["kind"]
-        if crossing.kind != wanted:
+        if (crossing.kind or TIMED) != wanted:
             faults.append(f"{way} is {crossing.kind or 'unprotected'}, and the table says {wanted}")
     return faults, used
