@@ -101,22 +101,6 @@ architecture rtl of board is
     + with_packed_read * feature_packed_read + with_vertices * feature_vertices
     + single_buffer * feature_single_buffer;
 
-  -- 2**phase_bits * rate / frequency to nearest, bit by bit: the product has more than 32 bits.
-  function phase_step_of(rate : positive; frequency : positive) return natural is
-    variable rest : natural := rate;
-    variable quotient : natural := 0;
-  begin
-    for index in 0 to phase_bits loop
-      rest := 2 * rest;
-      quotient := 2 * quotient;
-      if rest >= frequency then
-        rest := rest - frequency;
-        quotient := quotient + 1;
-      end if;
-    end loop;
-    return (quotient + 1) / 2;
-  end function;
-
   constant num_lights : positive := 4;
   constant tick_cycles : positive := clk_frequency_hz / 16 + 1;
 
@@ -348,6 +332,22 @@ begin
   end generate;
 
   packed_gen : if with_packed_read = 1 generate
+    signal asked_valid, asked_ready, byte_valid, byte_ready : std_ulogic;
+    signal byte_data : std_ulogic_vector(7 downto 0);
+  begin
+    -- The answer's ready would go on through the reader and the edge map, over the whole die.
+    buffer_inst : entity work.skid_buffer
+      generic map (data_bits => 8)
+      port map (
+        clk => clk, reset => core_reset,
+        input_valid => bytes_valid, input_ready => bytes_ready, input_data => bytes_data,
+        output_valid => byte_valid, output_ready => byte_ready, output_data => byte_data
+      );
+
+    -- The screen is done with an area before its last byte is taken: the next one waits for that.
+    area_valid <= asked_valid and not byte_valid;
+    asked_ready <= area_ready and not byte_valid;
+
     packer : entity work.pixel_packer
       generic map (value_bytes => colours, depth_bytes => depth_bytes)
       port map (
@@ -355,8 +355,8 @@ begin
         read_valid => read_valid, read_ready => read_ready, read_packed => read_packed,
         read_count => read_count, read_plane => read_plane, answer_bytes => read_bytes,
         data_valid => answer_valid, data_ready => answer_ready, data => answer_data,
-        area_valid => area_valid, area_ready => area_ready,
-        byte_valid => bytes_valid, byte_ready => bytes_ready, byte_data => bytes_data
+        area_valid => asked_valid, area_ready => asked_ready,
+        byte_valid => byte_valid, byte_ready => byte_ready, byte_data => byte_data
       );
   end generate;
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The clocks of a board's line and screen: those that the VHDL was seen to take, and sums known beforehand."""
+"""The clocks of a board's line and screen: those that the VHDL was seen to take, and sums known before."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ RECORDED = {
     ("shaded", 1): ((15, 27, 27, 31, 59), 13735, 1481),
     ("shaded", 7): ((15, 27, 27, 31, 275), 35948, 6414),
 }
-"""Board and triangles: bytes of each frame, clocks, and clocks in which the VHDL, through Verilator, says it is busy."""
+"""Board and triangles: bytes of each frame, clocks, and those in which the VHDL, in Verilator, is busy."""
 
 
 @cache

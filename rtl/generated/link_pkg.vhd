@@ -110,6 +110,7 @@ package link_pkg is
   function least_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned;
   function most_words(opcode : std_ulogic_vector(7 downto 0)) return u_unsigned;
   function is_request(opcode : std_ulogic_vector(7 downto 0); with_swap : natural) return std_ulogic;
+  function phase_step_of(baud : positive; frequency : positive) return natural;
 
 end package link_pkg;
 
@@ -239,5 +240,21 @@ package body link_pkg is
     end if;
     return known;
   end function is_request;
+
+  -- 2**phase_bits * baud / frequency to nearest, bit by bit: the product has more than 32 bits.
+  function phase_step_of(baud : positive; frequency : positive) return natural is
+    variable rest : natural := baud;
+    variable quotient : natural := 0;
+  begin
+    for index in 0 to phase_bits loop
+      rest := 2 * rest;
+      quotient := 2 * quotient;
+      if rest >= frequency then
+        rest := rest - frequency;
+        quotient := quotient + 1;
+      end if;
+    end loop;
+    return (quotient + 1) / 2;
+  end function phase_step_of;
 
 end package body link_pkg;

@@ -80,7 +80,7 @@ architecture rtl of plane_requests is
   type place_t is (rest, begins, runs, ends);
 
   signal place : place_t := rest;
-  signal summing : std_ulogic := '0';
+  signal asked, summing : std_ulogic := '0';
   signal count : u_unsigned(count_bits - 1 downto 0) := (others => '0');
   signal starting, take_read, take_crc, now_quiet : std_ulogic;
   signal byte_valid, byte_ready, byte_last, byte_summed, crc_busy : std_ulogic;
@@ -91,20 +91,23 @@ architecture rtl of plane_requests is
 
 begin
 
-  -- No pixel comes from the cycle on in which a request is taken.
-  held <= '1' when place /= rest or take_read = '1' or take_crc = '1' else '0';
+  -- No pixel comes from the cycle on in which a request is taken, which is one behind that in which it is
+  -- asked for: without that register the core waits for the link's command and for what every unit here says
+  -- of itself, over the whole die.
+  held <= '1' when place /= rest or asked = '1' else '0';
   now_quiet <= free when place = rest else '0';
   quiet <= now_quiet;
   resting <= '1' when place = rest and reader_reset = '0' else '0';
 
-  take_read <= read_valid and now_quiet;
-  take_crc <= frame_crc_valid and now_quiet and not read_valid;
-  read_ready <= now_quiet;
-  frame_crc_ready <= now_quiet and not read_valid;
+  take_read <= read_valid and now_quiet and asked;
+  take_crc <= frame_crc_valid and now_quiet and asked and not read_valid;
+  read_ready <= now_quiet and asked;
+  frame_crc_ready <= now_quiet and asked and not read_valid;
 
   requests : process (clk)
   begin
     if rising_edge(clk) then
+      asked <= read_valid or frame_crc_valid;
       frame_crc_done <= '0';
       reader_reset <= '0';
       -- No case statement: GHDL 2.0 gives one of four places no default, and Yosys a latch.

@@ -159,6 +159,25 @@ def constant_lines() -> list[str]:
     return [*lines, ""]
 
 
+PHASE_STEP = """\
+  -- 2**phase_bits * baud / frequency to nearest, bit by bit: the product has more than 32 bits.
+  function phase_step_of(baud : positive; frequency : positive) return natural is
+    variable rest : natural := baud;
+    variable quotient : natural := 0;
+  begin
+    for index in 0 to phase_bits loop
+      rest := 2 * rest;
+      quotient := 2 * quotient;
+      if rest >= frequency then
+        rest := rest - frequency;
+        quotient := quotient + 1;
+      end if;
+    end loop;
+    return (quotient + 1) / 2;
+  end function phase_step_of;
+"""
+
+
 def package() -> str:
     """Text of the VHDL package."""
     count = len(identity_words())
@@ -177,6 +196,7 @@ def package() -> str:
         f"  function least_words(opcode : {BYTE}) return u_unsigned;",
         f"  function most_words(opcode : {BYTE}) return u_unsigned;",
         f"  function is_request({known_parameters()}) return std_ulogic;",
+        "  function phase_step_of(baud : positive; frequency : positive) return natural;",
         "",
         "end package link_pkg;",
         "",
@@ -186,6 +206,7 @@ def package() -> str:
         *length_function("least_words", 0, "Words of a request's shortest payload."),
         *length_function("most_words", 1, "Words of a request's longest payload."),
         *known_function(),
+        PHASE_STEP,
         "end package body link_pkg;",
         "",
     ]

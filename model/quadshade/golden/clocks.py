@@ -31,8 +31,8 @@ class _Pipeline(NamedTuple):
     """
     What a drawing's clocks depend on beside the packets; see :func:`count_clocks`.
 
-    From beat ``words_beat`` on a packet writes differences. With ``single_buffer`` a packet waits until none is
-    walked.
+    From beat ``words_beat`` on a packet writes differences. With ``single_buffer`` a packet waits until none
+    is walked.
     """
 
     words_beat: int
