@@ -50,16 +50,15 @@ architecture rtl of vertex_alu is
   signal none, double, negate : std_ulogic := '0';
   -- The operation, one hot.
   signal is_muli, is_mulf, is_div, is_shift, is_get, is_halving, is_fold, is_ones : std_ulogic := '0';
-  -- A sum whose operand has just come.
-  signal sums : std_ulogic := '0';
+  -- A sum whose operand has just come; the factor's bits but the lowest are the same.
+  signal sums, same : std_ulogic := '0';
 
 begin
 
   acc <= value;
   shifter <= factor;
   is_zero <= '1' when unsigned(value(width - 1 downto 0)) = 0 else '0';
-  spent <= is_muli and ((and std_ulogic_vector(factor(spent_bits - 1 downto 1)))
-    or not (or std_ulogic_vector(factor(spent_bits - 1 downto 1))));
+  spent <= is_muli and same;
 
   ahead <= value(sum_bits - 2 downto 0)
     & ((is_div and factor(width - 1)) or (not is_div and is_get and line_bit));
@@ -172,6 +171,14 @@ begin
           -- Below zero the operand comes back with the next bit.
           negate <= not sum(sum_bits - 1);
         end if;
+      end if;
+
+      if step = '1' then
+        same <= (and std_ulogic_vector(factor(spent_bits + 1 downto 3)))
+          or not (or std_ulogic_vector(factor(spent_bits + 1 downto 3)));
+      else
+        same <= (and std_ulogic_vector(factor(spent_bits - 1 downto 1)))
+          or not (or std_ulogic_vector(factor(spent_bits - 1 downto 1)));
       end if;
 
       sums <= '0';

@@ -73,7 +73,7 @@ architecture rtl of vertex_unpacker is
 
   -- The instruction that is executed, the one behind it and the one behind that.
   signal code, code_next, code_read : vertex_code_t := (others => '0');
-  signal operation : u_unsigned(operation_bits - 1 downto 0);
+  signal operation, operation_next : u_unsigned(operation_bits - 1 downto 0);
 
   type step_t is (jumping, jumped, fetching, loading, executing);
   signal step : step_t := jumping;
@@ -90,8 +90,8 @@ architecture rtl of vertex_unpacker is
 
   signal fetched, shifter : number_t;
   signal acc : u_signed(width + 1 downto 0);
-  -- The operation shifts the accumulator; it takes as many steps as the operand says.
-  signal shifts, counted : boolean;
+  -- The operation shifts the accumulator; its operand says how many steps, and is in the memory.
+  signal shifts, counted, comes_late : boolean := false;
   -- A zero of the line ends it.
   signal tells : std_ulogic;
   signal load, is_zero, spent : std_ulogic;
@@ -125,6 +125,7 @@ begin
   unpacked_ready <= setup_ready and not full;
 
   operation <= unsigned(code(waits_at - 1 downto operation_low));
+  operation_next <= unsigned(code_next(waits_at - 1 downto operation_low));
   busy <= '0' when step = executing and operation = do_start and full = '0' and line_held = '0' else '1';
 
   numbers : entity work.vertex_alu
@@ -149,8 +150,6 @@ begin
   end process;
 
   load <= '1' when step = loading else '0';
-  shifts <= operation = do_shl or operation = do_shr;
-  counted <= shifts or operation = do_get;
   tells <= '1' when operation = do_ones else '0';
 
   -- What the operation needs of line and core, and whether this is its last cycle.
@@ -221,10 +220,8 @@ begin
       if by_four = '1' then
         rest := left - 4;
       end if;
-      if step = loading and counted then
-        -- Of an immediate operand, which alone is known now.
-        rest := unsigned(code(2 * count_bits - 1 downto count_bits));
-      elsif step = loading then
+      if step = loading then
+        -- Of an operand in the memory it is not known yet.
         rest := unsigned(code(count_bits - 1 downto 0));
       end if;
       steps := rest;
@@ -244,8 +241,7 @@ begin
       no_step <= '0';
       last_step <= '0';
       by_four <= '0';
-      if step = loading and counted
-        and unsigned(code(operation_low - 1 downto mode_low)) /= mode_immediate then
+      if step = loading and comes_late then
         known <= '0';
       else
         if rest <= 1 or (shifts and rest = 4) then
@@ -261,6 +257,10 @@ begin
 
       if fetch = '1' then
         code <= code_next;
+        shifts <= operation_next = do_shl or operation_next = do_shr;
+        counted <= operation_next = do_shl or operation_next = do_shr or operation_next = do_get;
+        comes_late <= (operation_next = do_shl or operation_next = do_shr or operation_next = do_get)
+          and unsigned(code_next(operation_low - 1 downto mode_low)) /= mode_immediate;
         code_next <= code_read;
         place <= read_address;
         step <= loading;

@@ -41,6 +41,8 @@ def _steps(row: source.Instruction) -> str:
     """The count as the unit has it: steps of an operation whose operand does not say them; a loop's end."""
     if row.operation in ("muli", "mulf"):
         return f"({row.times}) / 2"
+    if row.operation in ("shl", "shr", "get") and row.mode == source.IMMEDIATE:
+        return row.operand
     return {"ones": str(source.LONGEST_PREFIX), "raw": "1"}.get(row.operation, row.times)
 
 
@@ -65,7 +67,7 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
             open_.append(
                 f"    code({place}) := code({place})"
                 f" + ({operand}) mod 2 ** {OPERAND_BITS} * 2 ** {COUNT_BITS}"
-                f"{'' if count == '0' else f' + {count}'};"
+                f"{'' if count == '0' else chr(10) + f'      + {count}'};"
             )
     rows = [", ".join(fixed[at : at + PER_LINE]) for at in range(0, len(fixed), PER_LINE)]
     lines = [
