@@ -221,6 +221,30 @@ async def credits_beside_an_answer(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
+async def credits_are_forgotten(dut: Any) -> None:
+    """A reset in any cycle about that in which a quarter becomes free: nothing is told of it."""
+    bench = Bench(dut, Config, "credits_are_forgotten")
+    await Board(bench).start()
+    for cycles in range(1, 9):
+        pair = Pair(bench)
+        board = pair.board
+        board.go["setup"] = repeat(False)
+        await pair.send(Opcode.TRIANGLES, bytes(4 * 27))
+        await board.quiet_for(60)
+        for wait in (*repeat(8, bench.config.fifo_words // 4 - 1), cycles):
+            board.go["setup"] = chain([True], repeat(False))
+            await board.wait(wait)
+        bench.check("answers before", [frame.opcode for frame in board.answers], [Opcode.ACK], cycles)
+        board.answers = []
+        dut.reset.value = 1
+        await board.wait(1)
+        dut.reset.value = 0
+        await board.quiet_for(60)
+        bench.check("answers after a reset", board.answers, [], cycles)
+    bench.finish(at_least=16)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_change_of_rate_is_forgotten(dut: Any) -> None:
     """By a break or RESET, before BAUD's answer is begun and while it is sent."""
     bench = Bench(dut, Config, "a_change_of_rate_is_forgotten")
