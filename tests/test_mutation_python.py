@@ -176,7 +176,7 @@ def row(state: str, old: str = "a", group: str = "link") -> dict[str, str]:
 def test_the_score_counts_what_can_be_noticed() -> None:
     argued = [{"path": "link/x.py", "where": "f", "old": "same", "new": "b", "reason": "it is the same"}]
     rows = [row("killed")] * 7 + [row("timeout"), row("survived"), row("survived", "same")]
-    content = report.numbers(rows, argued, 10, 1)
+    content = report.numbers(rows, argued, 10, {1: {rows[0]["name"]}, 7: {"not run yet"}})
     counts = content["overall"]
     assert [counts[name] for name in ("sampled", "killed", "timeouts", "equivalent", "survived")] == [
         10,
@@ -186,9 +186,11 @@ def test_the_score_counts_what_can_be_noticed() -> None:
         1,
     ]
     assert "| all | 10 | 8 | 1 | 1 | 88.9 % (" in report.section(content)
+    assert content["conditions"]["seeds"]["7"]["sampled"] == 0
+    assert 'COUNT=10 SEED="1 7"' in report.section(content) and "of seed 7 0" in report.section(content)
     assert "| `link/x.py` | `f` | `a` | `b` |" in report.section(content)
     # A reason does not hide that a test notices the mutant after all.
-    noticed = report.numbers([row("killed", "same")], argued, 1, 1)
+    noticed = report.numbers([row("killed", "same")], argued, 1, {1: set()})
     assert noticed["overall"]["equivalent"] == 0
 
 

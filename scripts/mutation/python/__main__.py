@@ -243,7 +243,14 @@ def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
 
 @click.command(help=__doc__)
 @click.option("--count", default=600, show_default=True, type=click.IntRange(1), help="Mutants to draw.")
-@click.option("--seed", default=1, show_default=True, help="Draws the same mutants again.")
+@click.option(
+    "--seed",
+    "seeds",
+    default=(1,),
+    type=int,
+    multiple=True,
+    help="Draws the same mutants again; several draw more.",
+)
 @click.option("--only", type=click.Choice(tuple(GROUPS)), multiple=True, help="Only these packages.")
 @click.option(
     "--check", is_flag=True, help="Write no report; fail where a mutant survives that is not argued."
@@ -254,13 +261,19 @@ def to_do(mutants: list[Mutant], name: str) -> list[Mutant]:
 )
 @click.option("--kept", is_flag=True, help="Only mutants that the report says are killed: they must stay so.")
 def main(
-    count: int, seed: int, only: tuple[str, ...], check: bool, known: bool, slow: float | None, kept: bool
+    count: int,
+    seeds: tuple[int, ...],
+    only: tuple[str, ...],
+    check: bool,
+    known: bool,
+    slow: float | None,
+    kept: bool,
 ) -> None:
     # Before anything imports numpy: a process of one thread can be forked.
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ[variable] = "1"
     if kept:
-        run, alive = run_kept(count, seed)
+        run, alive = run_kept(count, seeds[0])
         for mutant in alive:
             print(f"{mutant.path}:{mutant.line} {mutant.operator} is not killed any more")
         print(f"mutation: {run - len(alive)} of {run} are killed again")
@@ -268,7 +281,9 @@ def main(
     for name, group in GROUPS.items() if slow else ():
         GROUPS[name] = replace(group, slow=slow)
     BUILD.mkdir(parents=True, exist_ok=True)
-    mutants = drawn(count, seed)
+    samples = {seed: drawn(count, seed) for seed in seeds}
+    names = {seed: {mutant.name for mutant in found} for seed, found in samples.items()}
+    mutants = list({mutant.name: mutant for found in samples.values() for mutant in found}.values())
     for name in () if known else only or GROUPS:
         left = to_do([mutant for mutant in mutants if group_of(mutant.path) == name], name)
         if left:
@@ -281,7 +296,7 @@ def main(
                 raise SystemExit(1)
     found = known_results()
     rows = [asdict(found[mutant.name]) for mutant in mutants if mutant.name in found]
-    survivors = write(rows, argued(), count=count, seed=seed, report=not check and not only)
+    survivors = write(rows, argued(), count, names, report=not check and not only)
     if check and survivors:
         raise SystemExit(f"mutation: {survivors} survived")
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from textwrap import fill
@@ -41,7 +41,10 @@ def _counts(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def numbers(
-    rows: Sequence[dict[str, Any]], reviewed: Sequence[dict[str, str]], count: int, seed: int
+    rows: Sequence[dict[str, Any]],
+    reviewed: Sequence[dict[str, str]],
+    count: int,
+    seeds: Mapping[int, Collection[str]],
 ) -> dict[str, Any]:
     """
     All numbers of the report.
@@ -52,8 +55,10 @@ def numbers(
       A mutant each, as the runner's ``Result`` names what is known of it.
     reviewed : sequence of dict
       Those that a reader found equivalent, with a reason.
-    count, seed : int
-      Of the sample.
+    count : int
+      Of each seed's sample.
+    seeds : mapping
+      Names of the mutants that each seed draws, run or not.
 
     Returns
     -------
@@ -72,7 +77,11 @@ def numbers(
     return {
         "conditions": {
             "count": count,
-            "seed": seed,
+            "asked": len(set().union(*seeds.values())),
+            "seeds": {
+                str(seed): _counts([mutant for mutant in mutants if mutant["name"] in names])
+                for seed, names in seeds.items()
+            },
             "tool": f"Cosmic Ray {version('cosmic-ray')}",
             "run": len(mutants),
         },
@@ -107,15 +116,23 @@ def section(content: dict[str, Any] | None = None) -> str:
 
     rows = [row(f"`{name}`", counts) for name, counts in content["packages"].items()]
     survivors = [mutant for mutant in content["mutants"] if mutant["state"] == "survived"]
-    run, count, seed = (conditions[name] for name in ("run", "count", "seed"))
+    run, asked = conditions["run"], conditions["asked"]
     rest = (
         ""
-        if run == count
-        else f"The sample is not complete: of {count} mutants {count - run} were not run yet. "
+        if run == asked
+        else f"The sample is not complete: of {asked} mutants {asked - run} were not run yet. "
     )
+    seeds = conditions["seeds"]
+    if len(seeds) > 1:
+        each = [
+            f"of seed {seed} {counts['sampled']}, {score(counts['killed'], counts['survived'])}"
+            for seed, counts in seeds.items()
+        ]
+        rest += f"Drawn and run are {'; '.join(each)}. "
     text = [
         fill(
-            f"Written by `make mutation-python COUNT={count} SEED={seed}`. {rest}Mutants are made by "
+            f'Written by `make mutation-python COUNT={conditions["count"]} SEED="{" ".join(seeds)}"`. '
+            f"{rest}Mutants are made by "
             f"{conditions['tool']}, but for dropped statements; each file has its share of all places that "
             "can be changed. A mutant is run on quick tests of its package, without numba's compiler for its "
             "package's loops. "
@@ -145,10 +162,14 @@ def section(content: dict[str, Any] | None = None) -> str:
 
 
 def write(
-    rows: Sequence[dict[str, Any]], reviewed: Sequence[dict[str, str]], count: int, seed: int, report: bool
+    rows: Sequence[dict[str, Any]],
+    reviewed: Sequence[dict[str, str]],
+    count: int,
+    seeds: Mapping[int, Collection[str]],
+    report: bool,
 ) -> int:
     """Say the score, write numbers and report if asked; how many mutants survive without a reason."""
-    content = numbers(rows, reviewed, count, seed)
+    content = numbers(rows, reviewed, count, seeds)
     if report:
         write_numbers(NUMBERS, content)
         write_section("python", section(content))
