@@ -65,7 +65,7 @@ def test_errors_of_parts_are_those_of_what_is_drawn(kind: type[Shader]) -> None:
     planner = Planner(whole, kind(None, SHINY, formats, whole))
     plan = planner.for_limit(2.0, verify=True)
     assert len(plan.surface.root) > len(whole) or kind is CosineShader
-    assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders, plan.first)
+    assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders, plan.table, plan.first)
     assert plan.bytes == stream_bytes(plan.triangles, formats)
     errors = plan.drawn
     pixels = draw(plan.triangles, formats).pixels
@@ -122,7 +122,7 @@ def test_bytes_are_those_of_the_stream_where_the_set_up_divides() -> None:
     formats, whole = Formats(frac_bits=7), looked_at("torus:288", 512)
     planner = Planner(whole, ColourShader(None, SHINY, formats, whole))
     plan = planner.first_for_limit(6.0)
-    assert planner.bytes_of(plan.surface, plan.decision.orders) is None
+    assert planner.bytes_of(plan.surface, plan.decision.orders, plan.table) is None
     assert plan.bytes == stream_bytes(plan.triangles, formats)
 
 
@@ -139,7 +139,7 @@ def test_work_is_done_once_and_only_where_it_can_win(
     shade_rows, errors = phong_pixels.shade_rows, PhongPixels.errors
 
     def shading(*given: Any) -> None:
-        shaded.append(len(given[-1]))
+        shaded.append(given[-1].shape[1])
         shade_rows(*given)
 
     def drawing(

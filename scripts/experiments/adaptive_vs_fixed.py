@@ -9,8 +9,10 @@ report says so.
 
 from __future__ import annotations
 
+import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import click
@@ -35,6 +37,7 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
+from quadshade.files.atomic import write_json
 from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
@@ -186,6 +189,17 @@ def scene_report(name: str, source: str, size: int, steps: int, material: Materi
     return about | {"fixed": rows, "adaptive": curves, "mixes": list(mixes(whole, material, formats))}
 
 
+def kept(folder: Path | None, name: str, make: Callable[[], dict]) -> dict:
+    """What is made of a mesh, or what a run before made of it and kept in a folder."""
+    if folder is None:
+        return make()
+    path = folder / f"{name.replace(':', '_')}.json"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(path, make())
+    return json.loads(path.read_text())
+
+
 def front(points: list[dict], measure: str) -> tuple[list, list]:
     """Bytes and least error so far, for the plot."""
     ordered = sorted(points, key=lambda point: point["bytes"])
@@ -313,9 +327,16 @@ def mix_text(scenes: list[dict]) -> list[str]:
     type=click.Path(exists=True, path_type=Path),
     help="Instead of pyvista's.",
 )
+@click.option(
+    "--keep",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of finished meshes: an interrupted run goes on with the next. Empty it for other options.",
+)
 @output_option(REPORT)
 @one_line_errors(REPORT.stem)
-def main(size: int, exponent: float, steps: int, files: tuple[Path, ...], output: Path) -> None:
+def main(
+    size: int, exponent: float, steps: int, files: tuple[Path, ...], keep: Path | None, output: Path
+) -> None:
     """Draw every fixed choice and the adaptive curves, and write the report."""
     console, material = Console(stderr=True), Material(exponent=exponent)
     scenes = []
@@ -325,7 +346,7 @@ def main(size: int, exponent: float, steps: int, files: tuple[Path, ...], output
             console.print(f"adapt: pip cannot fetch {PACKAGE}; real meshes are left out (give --mesh FILE)")
         for name, source in [*((n, n) for n in GENERATED), *((path.name, str(path)) for path in real)]:
             console.print(f"drawing {name}")
-            scenes.append(scene_report(name, source, size, steps, material))
+            scenes.append(kept(keep, name, partial(scene_report, name, source, size, steps, material)))
     names = [path.name for path in files]
     command = command_line("adaptive_vs_fixed", size=size, exponent=exponent, steps=steps, mesh=names)
     settings = f"{size}x{size} pixels, default lights, exponent {exponent:g}, default generics."

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.colour_shader import ColourShader
 from quadshade.adapt.cosine_shader import CosineShader, LightShader
 from quadshade.adapt.curve import Curve, Picture
@@ -17,7 +16,7 @@ from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.plan import LineCount, Planner
 from quadshade.adapt.refit import Refit
 from quadshade.adapt.result import Adapted, Rival
-from quadshade.adapt.shader import Shader
+from quadshade.adapt.shader import OUTPUT_ROUNDING, Shader
 from quadshade.choices import ADAPTIVE_FITS, FITS, MEASURES, UNITS, check_word
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
@@ -133,6 +132,10 @@ class ErrorCurve:
         first.draw_around(index)
         picture = first.picture(index)
         most = picture.cost("bytes") if picture.error <= max_error else math.inf
+        for kind, planner in self._planners.items():
+            alike = planner is not first.planner and planner.shader.names == first.planner.shader.names
+            if alike and bounds[kind] <= most:
+                bounds[kind] = max(bounds[kind], planner.least_beside(first.planner, max_error))
         hopeless = [kind for kind in kinds if bounds[kind] > most]
         curves = self._curves_of([kind for kind in self._planners if kind not in hopeless])
         return curves, [Rival(kind, bounds[kind]) for kind in hopeless]

@@ -18,7 +18,6 @@ SHORT = 0.12
 LEFT = 0.7
 """Of the mean square of a whole: what halves have left of it at most."""
 MAX_PASSES = 24
-OUTPUT_ROUNDING = 0.5
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from quadshade.adapt.polynomial_loops import (
     drawn_by,
     one_fit,
     padded,
+    raise_order,
     reweighted,
     shape_rows,
 )
@@ -54,6 +55,8 @@ class CosineKind(NamedTuple):
       Repetitions with the power's slope between the cosine and what it became, and towards equal extremes.
     orders : int
       How many there are.
+    fine : float
+      An error, by the measure, for which nothing better is looked for.
     """
 
     exponent: float
@@ -68,6 +71,7 @@ class CosineKind(NamedTuple):
     secants: int
     equalising: int
     orders: int
+    fine: float
 
 
 # Rows of the room that a channel's fit works in.
@@ -225,6 +229,8 @@ def _best(
             least, largest, square = score, most_off, mean
             for i in range(size):
                 best[i] = tried[i]
+        if least <= kind.fine:
+            break
     return largest, square
 
 
@@ -281,6 +287,11 @@ def fit_cosines(
             for order in range(kind.orders):
                 size = SIZES[order]
                 shape = shapes[SHAPE_ROWS[order] :]
+                if order and own[row, channel, order - 1] <= kind.fine:
+                    raise_order(samples[row, channel, order - 1], order, samples[row, channel, order])
+                    own[row, channel, order] = own[row, channel, order - 1]
+                    drawn[channel, order, here] = drawn[channel, order - 1, here]
+                    continue
                 through = nodes[order, :size] if len(nodes) else none
                 # With a size that the compiler knows, loops over samples are unrolled.
                 given = kind, shape

@@ -14,7 +14,7 @@ from quadshade.adapt.joint_loops import fit_together
 from quadshade.adapt.option_loops import choose_options, half_cosines, joint_errors
 from quadshade.adapt.part_memory import Assessed
 from quadshade.adapt.polynomial_fit import EQUALISING, HALF_COUNTS, HALF_POINTS, NODES, POINTS
-from quadshade.adapt.shader import MORE_LINEAR, Choice, Options, Shader
+from quadshade.adapt.shader import MORE_LINEAR, OUTPUT_ROUNDING, Choice, Options, Shader, Table
 from quadshade.adapt.small_triangles import PixelCentres
 from quadshade.contract.formats import CONSTANT, POWER_MANTISSA_BITS, Formats
 from quadshade.golden.shade.render_core import first_entry
@@ -40,8 +40,12 @@ FARTHEST = 6
 """Times what is wanted: combinations that are off by more when fitted apart are not fitted together."""
 STEPS = 16
 """Of fitting together."""
-ROUGH = 0.02
-"""Output units that a power table's entries may cost where channels do not reach its finest ones."""
+LEVEL = 0.01
+"""Output units that a specular channel of a higher order has to be better by."""
+FINE = 1e-4
+"""Output units that no picture saves anything by: nothing better is looked for."""
+ROUGH, LEAST_ROUGH = 0.04, 0.02
+"""Of an error, and output units: what a power table may cost where channels do not reach its finest entries."""
 FEWEST_OCTAVES, MOST_OCTAVES = 3, 8
 """Of a table. With fewer, places far from 1 would be coarser too; with more, channels reach up to 1."""
 TABLE_ERROR = 0.04
@@ -78,15 +82,8 @@ class CosineShader(Shader):
         # Output units that a channel's full value adds, (lights, 3), and the exponent.
         colours = light_colours(self.pointed, self.material, self.strength)
         self.diffuse, self.specular = (self.full * colour for colour in colours)
-        self.reach, rough = self._reach(material.exponent, self.specular) if self.power else (1.0, 0.0)
-        self.table_error = TABLE_ERROR * self.specular.max(axis=1).sum() / self.full + rough
-        self.gain = np.repeat([1.0, self.reach], count)
-        self.state = specular_state(
-            formats, self.lights, self.material, self.strength, power=self.power, reach=self.reach
-        )
-        if self.power:
-            value = int(self.reach * ((1 << formats.lane_value_bits) - 1))
-            self.first = first_entry(value, self.state, formats)
+        self.table_error = TABLE_ERROR * self.specular.max(axis=1).sum() / self.full
+        self._tables: dict[int, Table] = {}
         self.ambient = self.full * ambient_colour(self.lights, self.material)
         self.exponent = self.material.exponent if self.power else 1.0
         norm = np.max if measure == "max" else np.linalg.norm
@@ -100,29 +97,45 @@ class CosineShader(Shader):
             np.concatenate([norm(self.diffuse, axis=1), norm(self.specular, axis=1)]),
             self.full,
             measure == "max",
-            SECANTS,
+            # Of powers as they are, secants are the first weights, but where a mean square is drawn below 0.
+            SECANTS if self.exponent != 1 or measure != "max" else 0,
             EQUALISING,
             len(self.orders),
+            FINE if measure == "max" else FINE**2,
         )
         all_orders = len(self.orders) ** (2 * count)
-        combinations = product(range(len(self.orders)), repeat=2 * count)
-        self.combinations = np.array(list(combinations)) if all_orders <= MOST_OPTIONS else None
+        self.combinations: tuple[np.ndarray, np.ndarray] | None = None
+        if all_orders <= MOST_OPTIONS:
+            every = np.array(list(product(range(len(self.orders)), repeat=2 * count)))
+            orders = self.free_orders(every)
+            self.combinations = orders, self.words(orders)
 
-    @staticmethod
-    def _reach(exponent: float, specular: np.ndarray) -> tuple[float, float]:
+    def table(self, max_error: float = 0.0) -> Table:
         """
-        How far up channels carry cosines, and what the entries there cost, in output units.
+        See :meth:`Shader.table`.
 
         Below 1 - 2**-k a power table has k octaves. Between its places it is a chord of the power, off by an
         eighth of the second derivative times the square of their distance at most.
         """
-        for octaves in range(FEWEST_OCTAVES, MOST_OCTAVES):
+        enough = max(ROUGH * (max_error - OUTPUT_ROUNDING), LEAST_ROUGH)
+        curved = self.exponent * (self.exponent - 1)
+        octaves, reach, rough = FEWEST_OCTAVES, 1.0, 0.0
+        while self.power and octaves < MOST_OCTAVES:
             reach = 1 - 0.5**octaves
             step = 0.5**octaves / (1 << POWER_MANTISSA_BITS) / reach
-            rough = exponent * (exponent - 1) / 8 * step**2 * specular.sum(axis=0).max()
-            if rough <= ROUGH:
-                return reach, float(rough)
-        return 1.0, 0.0
+            rough = float(curved / 8 * step**2 * self.specular.sum(axis=0).max())
+            if rough <= enough:
+                break
+            octaves, reach, rough = octaves + 1, 1.0, 0.0
+        if octaves not in self._tables:
+            state = specular_state(
+                self.formats, self.lights, self.material, self.strength, power=self.power, reach=reach
+            )
+            value = int(reach * ((1 << self.formats.lane_value_bits) - 1))
+            first = first_entry(value, state, self.formats) if self.power else 0
+            gain = np.repeat([1.0, reach], len(self.pointed))
+            self._tables[octaves] = Table(octaves, state, gain, rough, first)
+        return self._tables[octaves]
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, k) of (n, k, channels) options."""
@@ -140,21 +153,24 @@ class CosineShader(Shader):
             (shared_points(POINTS, large_rows), grid, all_nodes, large_rows),
             (own_points(centres.points, centres.have), lit, all_nodes[:0], centres.rows),
         ):
-            drawn = fit_cosines(self.kind, sets, *cosine, nodes, rows, samples, own)
-            fitted.append((sets, *cosine, drawn))
-        options = self._options(own)
-        options[centres.pixels == 0] = CONSTANT
+            if len(rows):
+                drawn = fit_cosines(self.kind, sets, *cosine, nodes, rows, samples, own)
+                fitted.append((sets, cosine, drawn, rows))
+        options, words = self._options(own)
+        if not centres.pixels.all():
+            options = np.where((centres.pixels == 0)[:, None, None], CONSTANT, options)
+            words = self.words(options)
         errors = np.zeros(options.shape[:2])
-        for rows, arrays in zip((large_rows, centres.rows), fitted, strict=True):
-            joint_errors(self.kind, *arrays, options, rows, errors)
+        for sets, cosine, drawn, rows in fitted:
+            joint_errors(self.kind, sets, *cosine, drawn, options, rows, errors)
         errors[large_rows] *= self.margin
-        samples *= self.full * self.gain[:, None, None]
+        samples *= self.full
         bounds, packets = self.set_up(projected, samples[:, :, -1])
         diffuse, specular = self.diffuse.max(axis=1), self.specular.max(axis=1)
         bounds[:, : len(diffuse)] *= diffuse
-        bounds[:, len(diffuse) :] *= specular * self._steepest(*grid) / self.reach
+        bounds[:, len(diffuse) :] *= specular * self._steepest(*grid) / self.table().gain[-1]
         bound = bounds.sum(axis=1) / self.full + self.table_error
-        return Assessed(centres.pixels, bound, packets, samples, errors, options, self.words(options))
+        return Assessed(centres.pixels, bound, packets, samples, errors, options, words)
 
     def _steepest(self, facing: np.ndarray, towards: np.ndarray) -> np.ndarray:
         """(n, lights) the power's steepest slope at the grid's points, where it counts."""
@@ -188,11 +204,11 @@ class CosineShader(Shader):
         fitted = np.zeros((*own.shape, 6))
         none = np.empty((0, 6), np.int64)
         drawn = fit_cosines(self.kind, sets, *cosine, none, every, fitted, own)
-        orders = self._options(own)
+        orders, words = self._options(own)
         errors = np.empty(orders.shape[:2])
         joint_errors(self.kind, sets, *cosine, drawn, orders, every, errors)
         samples = np.take_along_axis(fitted[:, None], orders[..., None, None], axis=3)[:, :, :, 0]
-        true, words = self.shade(self.whole, lit, places), self.words(orders)
+        true = self.shade(self.whole, lit, places)
         known = np.where(errors <= wanted, words, np.inf).min(axis=1)
         hopeful = (words < known[:, None]) & (errors > wanted) & (errors <= FARTHEST * (wanted + 1))
         for option in np.flatnonzero(hopeful.any(axis=0)).tolist():
@@ -202,18 +218,33 @@ class CosineShader(Shader):
             picked = np.ascontiguousarray(orders[rows, option])
             errors[rows, option] = fit_together(self.kind, mine, picked, own, true, STEPS)
             samples[rows, option] = own
-        return Options(orders, samples * (self.full * self.gain[:, None]), errors)
+        return Options(orders, samples * self.full, errors)
 
-    def _options(self, errors: np.ndarray) -> np.ndarray:
-        """(n, k, channels) orders to choose from, given (n, channels, orders) errors of each channel."""
+    def _options(self, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """
+        Orders to choose from, (n, k, channels), and their (n, k) words.
+
+        They may depend on (n, channels, orders) errors of each channel.
+        """
         count, channels = errors.shape[:2]
         if self.combinations is not None:
-            return np.repeat(self.free_orders(self.combinations)[None], count, axis=0)
+            orders, words = self.combinations
+            return np.repeat(orders[None], count, axis=0), np.repeat(words[None], count, axis=0)
         levels = self.full * 0.5 ** np.arange(LEVELS)
         good = errors[:, None] <= levels[:, None, None]
         good[..., -1] = True
         options = good.argmax(axis=-1)
-        return self.free_orders(options.reshape(-1, channels)).reshape(options.shape)
+        options = self.free_orders(options.reshape(-1, channels)).reshape(options.shape)
+        return options, self.words(options)
+
+    def level_highlights(self, assessed: Assessed) -> np.ndarray:
+        """See :meth:`Shader.level_highlights`."""
+        if self.combinations is None:
+            return super().level_highlights(assessed)
+        channels, top = len(self.place) // 2, len(self.orders) - 1
+        level = self.combinations[0] == np.repeat([top, CONSTANT], channels)
+        errors = assessed.errors[:, level.all(axis=1)]
+        return np.asarray((errors <= assessed.errors[:, -1:] + LEVEL).any(axis=1))
 
     def least_more(self, varied: np.ndarray) -> np.ndarray:
         """See :meth:`Shader.least_more`: constant cosines make a constant colour."""

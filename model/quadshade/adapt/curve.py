@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quadshade.adapt.choose import OUTPUT_ROUNDING
 from quadshade.adapt.plan import Plan, Planner
+from quadshade.adapt.shader import OUTPUT_ROUNDING
 
 STRICTER, LOOSER = 8, 4
 """Neighbours that are tried: limits up to a third apart from the one that is looked for."""
@@ -123,7 +123,7 @@ class Curve:
             return
         plans = [self.plan(near) for near in range(index, max(index - MISSES, 0) - 1, -1)]
         if not plans[0].much_divided:
-            self.planner.draw((plan.triangles, plan.surface) for plan in plans)
+            self.planner.draw(plan for plan in plans if plan.table is plans[0].table)
 
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""

@@ -96,9 +96,9 @@ def _compare(
                     found += 1
                     continue
                 place = begin + x[pixel]
-                one = abs(colour[pixel, 0] - light[place, 0])
-                two = abs(colour[pixel, 1] - light[place, 1])
-                three = abs(colour[pixel, 2] - light[place, 2])
+                one = abs(colour[pixel, 0] - light[0, place])
+                two = abs(colour[pixel, 1] - light[1, place])
+                three = abs(colour[pixel, 2] - light[2, place])
                 # Of each colour by itself: none waits for another.
                 red, green, blue = max(red, one), max(green, two), max(blue, three)
                 square += one * one + two * two + three * three
@@ -119,12 +119,12 @@ def _ranges(rows: MeshRows, light: Floats) -> Floats:
         first, last = rows.places[rows.rows[index]], rows.places[rows.rows[index + 1]]
         if last == first:
             continue
-        red, green, blue = light[first, 0], light[first, 1], light[first, 2]
+        red, green, blue = light[0, first], light[1, first], light[2, first]
         most_red, most_green, most_blue = red, green, blue
         for place in range(first + 1, last):
-            red, most_red = min(red, light[place, 0]), max(most_red, light[place, 0])
-            green, most_green = min(green, light[place, 1]), max(most_green, light[place, 1])
-            blue, most_blue = min(blue, light[place, 2]), max(most_blue, light[place, 2])
+            red, most_red = min(red, light[0, place]), max(most_red, light[0, place])
+            green, most_green = min(green, light[1, place]), max(most_green, light[1, place])
+            blue, most_blue = min(blue, light[2, place]), max(most_blue, light[2, place])
         out[index, 0], out[index, 1], out[index, 2] = most_red - red, most_green - green, most_blue - blue
     return out
 
@@ -148,7 +148,7 @@ class PhongPixels:
         self.whole, self.lights, self.material, self.formats = whole, lights, material, formats
         self.lit = lit_mesh(whole, lights, material, 2.0**formats.value_bits - 1)
         self._rows: MeshRows | None = None
-        self._light = np.empty((0, 3))
+        self._light = np.empty((3, 0))
 
     @cached_property
     def cut(self) -> Cut:
@@ -163,13 +163,13 @@ class PhongPixels:
 
     @property
     def pixels(self) -> tuple[MeshRows, Floats]:
-        """All pixels, and (pixels, 3) the light at each, in output units, not rounded."""
+        """All pixels, and (3, pixels) the light at each, in output units, not rounded."""
         if self._rows is None:
             rows = mesh_rows(self.cut, len(self.whole))
             if self.lit is None:
-                self._light = self._phong(*pixels_of(rows))
+                self._light = np.ascontiguousarray(self._phong(*pixels_of(rows)).T)
             else:
-                self._light = np.empty((int(rows.places[-1]), 3))
+                self._light = np.empty((3, int(rows.places[-1])))
                 shade_rows(self.lit, rows, self.formats.subpixel_bits, self._light)
             self._rows = rows
         return self._rows, self._light

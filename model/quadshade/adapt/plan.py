@@ -9,12 +9,12 @@ from functools import cached_property
 
 import numpy as np
 
-from quadshade.adapt.choose import OUTPUT_ROUNDING, Decision, Goal, choose_orders, divide, settle
+from quadshade.adapt.choose import Decision, Goal, choose_orders, divide, settle
 from quadshade.adapt.costs import core_clocks, stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
 from quadshade.adapt.phong_pixels import PhongPixels
 from quadshade.adapt.result import Adapted
-from quadshade.adapt.shader import Shader, Surface, chosen_samples
+from quadshade.adapt.shader import OUTPUT_ROUNDING, Shader, Surface, Table, chosen_samples
 from quadshade.contract.formats import CONSTANT, ORDER_NAMES, Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.shade.render_core import first_entry
@@ -66,7 +66,12 @@ class Planner:
         return self.shader.surface(self.projected)
 
     def settled(
-        self, allowed: np.ndarray, price: float, surface: Surface | None = None, agree: float = 0.0
+        self,
+        allowed: np.ndarray,
+        price: float = 0.0,
+        surface: Surface | None = None,
+        agree: float = 0.0,
+        table: Table | None = None,
     ) -> Plan:
         """
         Orders chosen and triangles divided, as far as estimates go.
@@ -79,23 +84,25 @@ class Planner:
           See :class:`Goal`.
         surface : Surface, optional
           Where to start; by default at the undivided mesh.
+        table : Table, optional
+          By default the finest.
         """
-        surface = self.whole if surface is None else surface
-        return Plan(self, *settle(surface, self.shader, Goal(allowed, price, agree)))
+        surface, table = self.whole if surface is None else surface, table or self.shader.table()
+        return Plan(self, *settle(surface, self.shader, Goal(allowed, price, agree)), table)
 
-    def everywhere(self, value: float) -> np.ndarray:
-        """(roots,) float64 the same for every triangle of the undivided mesh."""
-        return np.full(len(self.whole.root), value)
+    def allowed(self, max_error: float) -> np.ndarray:
+        """(roots,) float64: what is allowed of every triangle of the undivided mesh, for a largest error."""
+        left = max_error - OUTPUT_ROUNDING - self.shader.table(max_error).error
+        return np.full(len(self.whole.root), left)
 
-    def first_for_limit(self, max_error: float) -> Plan:
-        """The plan for a largest error as far as estimates go."""
-        return self.settled(self.everywhere(max_error - OUTPUT_ROUNDING), 0.0)
+    def first_for_limit(self, max_error: float, agree: float = 0.0) -> Plan:
+        """The plan for a largest error as far as estimates go; ``agree`` of :class:`Goal`."""
+        return self.settled(self.allowed(max_error), agree=agree, table=self.shader.table(max_error))
 
     def least_bytes(self, max_error: float) -> int:
         """What the plan for a largest error takes at least: undivided, which is cheaper than divided."""
-        goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
-        orders = choose_orders(self.whole, self.shader, goal).orders
-        return self.bytes_of(self.whole, orders) or 0
+        orders = choose_orders(self.whole, self.shader, Goal(self.allowed(max_error))).orders
+        return self.bytes_of(self.whole, orders, self.shader.table(max_error)) or 0
 
     def least_possible(self, max_error: float) -> int:
         """
@@ -110,15 +117,33 @@ class Planner:
         more = shader.least_more(self.phong.ranges > 2 * max_error)
         words += np.minimum(more, flat - shader.second_words).sum()
         words -= shader.depth_words * shader.constant_depth(self.projected)[heads["triangle"]].sum()
-        return 4 * int(words) + shader.state_bytes()
+        return 4 * int(words) + shader.table(max_error).bytes()
+
+    def least_beside(self, other: Planner, max_error: float) -> int:
+        """
+        As :meth:`least_bytes`, from what is known of another kind of cosines; 0 where that is too little.
+
+        Where highlights are level both kinds draw the same. The others are fitted, and not remembered.
+        """
+        surface, table = other.whole, self.shader.table(max_error)
+        rows = np.flatnonzero(~other.shader.level_highlights(surface.assessed))
+        if 2 * len(rows) > len(surface.root):
+            return 0
+        goal = Goal(np.full(len(surface.root), max_error - OUTPUT_ROUNDING - table.error))
+        orders = choose_orders(surface, other.shader, goal).orders
+        part = surface.projected.ordered(rows)
+        mine = Surface(part, rows, self.shader.assess(part, rows), rows)
+        orders[rows] = choose_orders(mine, self.shader, goal).orders
+        return self.bytes_of(surface, orders, table) or 0
 
     def divides_much(self, max_error: float) -> bool:
         """Whether no order is good enough for many of the undivided triangles."""
-        goal = Goal(self.everywhere(max_error - OUTPUT_ROUNDING))
-        wanting = choose_orders(self.whole, self.shader, goal).wanting
+        wanting = choose_orders(self.whole, self.shader, Goal(self.allowed(max_error))).wanting
         return bool(wanting.sum() > (MUCH - 1) * len(wanting))
 
-    def bytes_of(self, surface: Surface, orders: np.ndarray, first: int | None = None) -> int | None:
+    def bytes_of(
+        self, surface: Surface, orders: np.ndarray, table: Table, first: int | None = None
+    ) -> int | None:
         """
         What (n, channels) orders take on a surface, from what is known of its parts' packets.
 
@@ -132,7 +157,7 @@ class Planner:
         one_edge = self.shader.second_words * (packets[:, 0] - packets[:, 1]).sum()
         words = self.shader.words(orders) @ packets[:, 0] - one_edge
         flat = packets[self.shader.constant_depth(surface.projected), 0].sum()
-        return 4 * int(np.rint(words - self.shader.depth_words * flat)) + self.shader.state_bytes(first)
+        return 4 * int(np.rint(words - self.shader.depth_words * flat)) + table.bytes(first)
 
     def for_limit(self, max_error: float, verify: bool) -> Plan:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
@@ -144,7 +169,7 @@ class Planner:
 
         Planning is greedy: where much is divided it now and then takes fewer bytes.
         """
-        plan = self.settled(self.everywhere(max_error - OUTPUT_ROUNDING), 0.0, None, OTHER_AGREE)
+        plan = self.first_for_limit(max_error, OTHER_AGREE)
         return self.mended(plan, max_error, True, OTHER_TIGHTEN, OTHER_AGREE)
 
     def mended(
@@ -156,7 +181,7 @@ class Planner:
         Where a pixel is off by more, its triangle gets a stricter limit; where that does not help it is
         halved.
         """
-        allowed = self.everywhere(max_error - OUTPUT_ROUNDING)
+        allowed = self.allowed(max_error)
         for attempt in range(VERIFY_ROUNDS if verify else 0):
             over = np.flatnonzero(plan.drawn.largest > max_error)
             if not len(over):
@@ -168,30 +193,32 @@ class Planner:
                 wanting = np.zeros(len(surface.root), dtype=bool)
                 wanting[over] = surface.assessed.pixels[over] > 1
                 surface = divide(surface, replace(plan.decision, wanting=wanting, forced=True), self.shader)
-            plan = self.settled(allowed, 0.0, surface, agree)
+            plan = self.settled(allowed, 0.0, surface, agree, plan.table)
         return plan
 
     def for_price(self, price: float) -> Plan:
         """The plan that spends a word where it takes away at least so much squared error."""
-        return self.settled(self.everywhere(np.inf), price)
+        return self.settled(np.full(len(self.whole.root), np.inf), price)
 
-    def _number(self, triangles: ScreenTriangles, surface: Surface) -> np.ndarray:
-        """(n,) int64 a number for each part with its orders."""
-        orders = triangles.orders
-        return self._numbers.numbers(surface.part, orders @ len(ORDER_NAMES) ** np.arange(orders.shape[1]))
+    def _number(self, plan: Plan) -> np.ndarray:
+        """(n,) int64 a number for each part with its orders and table."""
+        digits = len(ORDER_NAMES) ** np.arange(plan.decision.orders.shape[1] + 1)
+        return self._numbers.numbers(
+            plan.surface.part, plan.decision.orders @ digits[:-1] + plan.table.number * digits[-1]
+        )
 
-    def draw(self, drawings: Iterable[tuple[ScreenTriangles, Surface]]) -> None:
-        """Draw with the golden model, at once, and compare what was not drawn before: see :meth:`drawn`."""
+    def draw(self, plans: Iterable[Plan]) -> None:
+        """Draw plans of one table with the golden model, at once, and compare what was not drawn before."""
         known, new, roots = len(self._numbers), [], []
-        for triangles, surface in drawings:
+        for plan in plans:
             before = len(self._numbers)
-            number = self._number(triangles, surface)
+            number = self._number(plan)
             if len(self._numbers) > before:
                 # In the order of the new numbers.
                 some = np.flatnonzero(number >= before)
                 rows = some[np.unique(number[some], return_index=True)[1]]
-                new.append(triangles.ordered(rows))
-                roots.append(surface.root[rows])
+                new.append(plan.triangles.ordered(rows))
+                roots.append(plan.surface.root[rows])
         if not new:
             return
         joined = new[0].followed_by(new[1:])
@@ -200,18 +227,10 @@ class Planner:
             self._drawn = np.concatenate([self._drawn, np.empty((2 * len(self._numbers), 4))])
         self._drawn[known : len(self._numbers)] = errors
 
-    def drawn(self, triangles: ScreenTriangles, surface: Surface) -> PartErrors:
-        """
-        What the golden model draws, and how far its pixels are off; each part is drawn once with each orders.
-
-        Parameters
-        ----------
-        triangles : ScreenTriangles
-        surface : Surface
-          Whose parts they are.
-        """
-        self.draw([(triangles, surface)])
-        return PartErrors(*self._drawn[self._number(triangles, surface)].T)
+    def drawn(self, plan: Plan) -> PartErrors:
+        """What the golden model draws, and how far its pixels are off: each part once with each orders."""
+        self.draw([plan])
+        return PartErrors(*self._drawn[self._number(plan)].T)
 
 
 @dataclass(frozen=True)
@@ -244,12 +263,12 @@ class PartErrors:
 
 
 class Plan:
-    """A surface with its decision."""
+    """A surface with its decision, and the table that it is drawn with."""
 
     fit = "six-point"
 
-    def __init__(self, planner: Planner, surface: Surface, decision: Decision) -> None:
-        self.planner, self.surface, self.decision = planner, surface, decision
+    def __init__(self, planner: Planner, surface: Surface, decision: Decision, table: Table) -> None:
+        self.planner, self.surface, self.decision, self.table = planner, surface, decision, table
 
     @cached_property
     def samples(self) -> np.ndarray:
@@ -260,8 +279,9 @@ class Plan:
     @cached_property
     def triangles(self) -> ScreenTriangles:
         """What the set-up takes."""
-        shader = self.planner.shader
-        return shader.screen_triangles(self.surface.projected, self.samples, self.decision.orders)
+        return self.planner.shader.screen_triangles(
+            self.surface.projected, self.samples, self.decision.orders, self.table
+        )
 
     @property
     def much_divided(self) -> bool:
@@ -279,7 +299,7 @@ class Plan:
     @cached_property
     def drawn(self) -> PartErrors:
         """How far the golden model's pixels are off."""
-        return self.planner.drawn(self.triangles, self.surface)
+        return self.planner.drawn(self)
 
     def error(self, verify: bool) -> float:
         """The error by the plan's measure: drawn, or estimated."""
@@ -296,21 +316,21 @@ class Plan:
     @cached_property
     def first(self) -> int:
         """The first entry of power tables that it reads; it is drawn for that."""
-        shader = self.planner.shader
-        if shader.state is None or not shader.state.tables.size:
+        state = self.table.state
+        if state is None or not state.tables.size:
             return 0
         highest = int(self.drawn.highest.max(initial=-1))
-        return first_entry(highest, shader.state, shader.formats)
+        return first_entry(highest, state, self.planner.shader.formats)
 
     @cached_property
     def least_bytes(self) -> int:
         """What it takes at least: power tables are counted without drawing."""
-        return self.planner.bytes_of(self.surface, self.decision.orders) or 0
+        return self.planner.bytes_of(self.surface, self.decision.orders, self.table) or 0
 
     @cached_property
     def bytes(self) -> int:
         """What the set-up stream and the shade unit's state take."""
-        known = self.planner.bytes_of(self.surface, self.decision.orders, self.first)
+        known = self.planner.bytes_of(self.surface, self.decision.orders, self.table, self.first)
         return stream_bytes(self.triangles, self.planner.shader.formats) if known is None else known
 
     @cached_property

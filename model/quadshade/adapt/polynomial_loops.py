@@ -114,6 +114,15 @@ def one_fit(
         out[i] += mean
 
 
+@njit(cache=True, error_model="numpy")
+def raise_order(samples: Floats, order: Int, out: Floats) -> None:
+    """``out`` (6) of the polynomial of the order below that samples (6) are."""
+    for i in range(3):
+        out[i] = samples[i if order == 2 else 0]
+    if order == 2:
+        out[3], out[4], out[5] = (out[0] + out[1]) / 2, (out[0] + out[2]) / 2, (out[1] + out[2]) / 2
+
+
 @njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
 def drawn_by(shape: Floats, size: Int, samples: Floats, count: Int, out: Floats) -> None:
     """``out`` (count) of the polynomial that samples (size) are."""

@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from quadshade.adapt.choose import OUTPUT_ROUNDING, Goal, choose_orders, divide
+from quadshade.adapt.choose import Goal, choose_orders, divide
 from quadshade.adapt.plan import PartErrors, Plan, Planner
-from quadshade.adapt.shader import Options, Surface, chosen_samples
+from quadshade.adapt.shader import OUTPUT_ROUNDING, Options, Surface
 from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import CONSTANT
 from quadshade.scene.project import Projected
@@ -89,7 +89,8 @@ class Refit:
     def __init__(self, planner: Planner, max_error: float) -> None:
         self.planner, self.shader, self.max_error = planner, planner.shader, max_error
         self._known: dict[int, tuple[Ints, Floats, bool]] = {}
-        self._goal = Goal(planner.everywhere(max_error - OUTPUT_ROUNDING))
+        self._table = planner.shader.table(max_error)
+        self._goal = Goal(planner.allowed(max_error))
 
     def cheapest(self, plan: Plan) -> Plan:
         """
@@ -100,6 +101,7 @@ class Refit:
         plan : Plan
           What there is without; returned where nothing is cheaper.
         """
+        self._table = plan.table
         first = plan.drawn.largest <= self.max_error
         old = Choices(plan.decision.orders.copy(), plan.samples.copy(), first)
         best = plan
@@ -113,8 +115,7 @@ class Refit:
         return best
 
     def _surface(self, looser: float) -> Surface:
-        allowed = self.planner.everywhere(looser * self.max_error - OUTPUT_ROUNDING)
-        return self.planner.settled(allowed, 0.0).surface
+        return self.planner.first_for_limit(looser * self.max_error).surface
 
     def _settled(self, surface: Surface, old: Choices | None) -> Plan | None:
         """Parts of which no order keeps the limit are halved until all do; None where that does not end."""
@@ -125,7 +126,7 @@ class Refit:
             decision = choose_orders(surface, self.shader, self._goal)
             decision = replace(decision, orders=choices.orders, samples=choices.samples)
             if choices.kept.all():
-                plan = RefitPlan(planner, surface, decision)
+                plan = RefitPlan(planner, surface, decision, self._table)
                 return plan if plan.drawn.largest.max(initial=0) <= self.max_error else None
             wanting = ~choices.kept & (surface.assessed.pixels > 1)
             divided = divide(surface, replace(decision, wanting=wanting, forced=True), self.shader)
@@ -156,12 +157,11 @@ class Refit:
     def _planned(self, surface: Surface) -> Choices:
         """What the planner would choose for the limit."""
         decision = choose_orders(surface, self.shader, self._goal)
-        samples = chosen_samples(surface.assessed, decision.orders)
-        triangles = self.shader.screen_triangles(surface.projected, samples, decision.orders)
-        drawn = self.planner.drawn(triangles, surface)
+        plan = Plan(self.planner, surface, decision, self._table)
+        drawn = plan.drawn
         # Without a pixel nothing is cheaper than constants, and nothing is seen.
         orders = np.where(drawn.pixels[:, None] == 0, CONSTANT, decision.orders)
-        return Choices(orders, samples, drawn.largest <= self.max_error)
+        return Choices(orders, plan.samples, drawn.largest <= self.max_error)
 
     def _improve(self, surface: Surface, choices: Choices) -> None:
         """Draw cheaper combinations of orders, the cheapest first, and keep what keeps the limit."""
@@ -200,7 +200,7 @@ class Refit:
                 break
             orders, samples = options.orders[todo, pick], options.samples[todo, pick]
             drawn = rows[todo]
-            triangles = shader.screen_triangles(projected.ordered(drawn), samples, orders)
+            triangles = shader.screen_triangles(projected.ordered(drawn), samples, orders, self._table)
             errors = self.planner.phong.errors(triangles, root[drawn], shader.formats)[:, 0]
             good = errors <= self.max_error
             choices.put(drawn[good], orders[good], samples[good])

@@ -28,6 +28,8 @@ from quadshade.shading.sample import CHANNELS, full_scale, reflected
 
 MARGIN = 1.08
 """The largest difference anywhere on a triangle, over that at the grid's points: measured, not a bound."""
+OUTPUT_ROUNDING = 0.5
+"""Output units that rounding to whole ones costs."""
 POINTS_AT_A_TIME = 1 << 16
 NUM_DIFFERENCES = np.array(DIFFERENCES_OF_ORDER)
 MORE_LINEAR = NUM_DIFFERENCES[LINEAR] - NUM_DIFFERENCES[CONSTANT]
@@ -103,12 +105,47 @@ class Options:
     errors: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Table:
+    """
+    The shade unit's state for pictures with some error, and what channels carry for it.
+
+    Attributes
+    ----------
+    number : int
+      No two tables of a shader have the same.
+    state : ShadeState or None
+    gain : (channels,) float64
+      What channels carry, over what is fitted.
+    error : float
+      Output units that its coarsest entries cost.
+    first : int
+      Of power tables, where there are any: pictures read little before this entry.
+    """
+
+    number: int
+    state: ShadeState | None
+    gain: np.ndarray
+    error: float = 0.0
+    first: int = 0
+
+    @cached_property
+    def _bytes(self) -> dict[int, int]:
+        return {}
+
+    def bytes(self, first: int | None = None) -> int:
+        """Of the state, its power tables from an entry on; by default :attr:`first`."""
+        first = self.first if first is None else first
+        if first not in self._bytes:
+            self._bytes[first] = shade_bytes(self.state, first)
+        return self._bytes[first]
+
+
 class Shader:
     """Scene, light, core and error measure: what is common to colours and cosines."""
 
     shading = ""
     names: tuple[str, ...] = ()
-    state: ShadeState | None = None
 
     def __init__(
         self,
@@ -122,7 +159,6 @@ class Shader:
         self.measure, self.whole = measure, projected
         self.margin = MARGIN if measure == "max" else 1.0
         self.memory = PartMemory(self.assess)
-        self._state_bytes: dict[int, int] = {}
         self.formats = Formats() if formats is None else formats
         self.material = Material() if material is None else material
         self.lights = default_lights(projected.axes) if lights is None else lights
@@ -144,15 +180,13 @@ class Shader:
     depth_words = 0.0
     """What a packet with constant depth takes less, where there is depth."""
 
-    first = 0
-    """Of power tables, where there are any: pictures read little before this entry."""
+    @cached_property
+    def _plain(self) -> Table:
+        return Table(0, None, np.ones(len(self.place)))
 
-    def state_bytes(self, first: int | None = None) -> int:
-        """Of the shade unit's state, its tables from an entry on; by default :attr:`first`."""
-        first = self.first if first is None else first
-        if first not in self._state_bytes:
-            self._state_bytes[first] = shade_bytes(self.state, first)
-        return self._state_bytes[first]
+    def table(self, max_error: float = 0.0) -> Table:
+        """The coarsest table that is good enough for an error, in output units; for 0 the finest."""
+        return self._plain
 
     def surface(self, projected: Projected) -> Surface:
         """An undivided mesh, shaded and fitted."""
@@ -211,6 +245,10 @@ class Shader:
         """(n,) float64 words that triangles take beyond constants where (n, 3) colours are not constant."""
         raise NotImplementedError
 
+    def level_highlights(self, assessed: Assessed) -> np.ndarray:
+        """(n,) bool: triangles that are drawn as well with constant specular channels, if there are any."""
+        return np.zeros(len(assessed.pixels), dtype=bool)
+
     def choose_halves(self, surface: Surface, goal: np.ndarray, rows: np.ndarray) -> Choice:
         """As :meth:`choose` for (m, 3, 2) halves of (m,) int rows, if edge 0-1, 1-2 or 2-0 is split."""
         halves = self.memory.halves(
@@ -264,19 +302,20 @@ class Shader:
         return self.shade(projected, every, shared_points(POINTS, every))
 
     def screen_triangles(
-        self, projected: Projected, samples: np.ndarray, orders: np.ndarray
+        self, projected: Projected, samples: np.ndarray, orders: np.ndarray, table: Table | None = None
     ) -> ScreenTriangles:
-        """What the set-up takes, from (n, channels, 6) samples and (n, channels) orders."""
+        """What the set-up takes, from (n, channels, 6) samples and (n, channels) orders; the finest table."""
+        table = self.table() if table is None else table
         count, channels = len(projected), self.formats.num_channels
         all_samples, all_orders = np.zeros((count, channels, 6)), np.full((count, channels), CONSTANT)
-        all_samples[:, self.place], all_orders[:, self.place] = samples, orders
+        all_samples[:, self.place], all_orders[:, self.place] = samples * table.gain[:, None], orders
         names = [f"unused{index}" for index in range(channels)]
         for place, name in zip(self.place, self.names, strict=True):
             names[place] = name
         depth = projected.depth if self.formats.with_depth else None
         return ScreenTriangles(
             projected.width, projected.height, projected.vertices, all_samples, all_orders, depth,
-            tuple(names), self.state,
+            tuple(names), table.state,
         )  # fmt: skip
 
     def free_orders(self, orders: np.ndarray) -> np.ndarray:

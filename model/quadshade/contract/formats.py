@@ -238,15 +238,7 @@ class Formats:
         for name, value in self.generics().items():
             if not isinstance(value, Integral):
                 raise QuadshadeError(f"generic {name} is {value!r}", "give a whole number")
-        for name, values in GENERIC_CHOICES:
-            got = getattr(self, name)
-            if got not in values:
-                raise QuadshadeError(f"generic {name} is {got}", f"give one of {', '.join(map(str, values))}")
-        for name, lowest, highest, condition in GENERIC_RANGES:
-            got, low, high = getattr(self, name), self.evaluate(lowest), self.evaluate(highest)
-            if self.evaluate(condition) and not low <= got <= high:
-                limit = highest if highest.isdecimal() else f"{highest} = {high}"
-                raise QuadshadeError(f"generic {name} is {got}", f"give a value from {low} to {limit}")
+        _check_ranges(self)
 
     def evaluate(self, expression: str) -> int:
         """Value of a width expression over these names (:func:`.width_expressions.evaluate`)."""
@@ -337,6 +329,20 @@ class Formats:
         """Lowest and highest vertex coordinate in sub-pixels, both allowed."""
         size = 1 << (self.coord_bits + self.subpixel_bits)
         return -size, 2 * size - 1
+
+
+@lru_cache
+def _check_ranges(formats: Formats) -> None:
+    """See :meth:`Formats.check`: the same generics are in range the next time too."""
+    for name, values in GENERIC_CHOICES:
+        got = getattr(formats, name)
+        if got not in values:
+            raise QuadshadeError(f"generic {name} is {got}", f"give one of {', '.join(map(str, values))}")
+    for name, lowest, highest, condition in GENERIC_RANGES:
+        got, low, high = getattr(formats, name), formats.evaluate(lowest), formats.evaluate(highest)
+        if formats.evaluate(condition) and not low <= got <= high:
+            limit = highest if highest.isdecimal() else f"{highest} = {high}"
+            raise QuadshadeError(f"generic {name} is {got}", f"give a value from {low} to {limit}")
 
 
 @lru_cache

@@ -117,21 +117,23 @@ def field_values(primitives: Primitives, name: str, formats: Formats) -> np.ndar
 
 
 @njit(cache=True)
-def _put_field(out: Words32, at: Ints, rows: Ints, raw: Ints, offset: int, width: int) -> None:
+def _put_fields(out: Words32, at: Ints, rows: Ints, raws: Ints, offsets: Ints, widths: Ints) -> None:
     """
-    Write the raw values of one bit field into the zeroed packets of some rows, from words ``at`` on.
+    Write the raw values (fields, n) of bit fields into the zeroed packets of some rows, from words ``at`` on.
 
     No field has more than 32 bits, so it lies in two words at most.
     """
-    first, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
-    mask = np.uint64((1 << width) - 1)
-    goes_on = offset % SETUP_WORD_BITS + width > SETUP_WORD_BITS
-    for row in rows:
-        value = np.uint64(raw[row]) & mask
-        place = at[row] + first
-        out[place] |= np.uint32(value << shift)
-        if goes_on:
-            out[place + 1] |= np.uint32(value >> (np.uint64(SETUP_WORD_BITS) - shift))
+    for index in range(len(raws)):
+        offset, width = offsets[index], widths[index]
+        first, shift = offset // SETUP_WORD_BITS, np.uint64(offset % SETUP_WORD_BITS)
+        mask = np.uint64((1 << width) - 1)
+        goes_on = offset % SETUP_WORD_BITS + width > SETUP_WORD_BITS
+        for row in rows:
+            value = np.uint64(raws[index, row]) & mask
+            place = at[row] + first
+            out[place] |= np.uint32(value << shift)
+            if goes_on:
+                out[place + 1] |= np.uint32(value >> (np.uint64(SETUP_WORD_BITS) - shift))
 
 
 class _Layout(NamedTuple):
@@ -215,23 +217,18 @@ def pack(primitives: Primitives, formats: Formats) -> np.ndarray:
         formats.difference_words,
         (1 << formats.word_width) - 1,
     )
-    sections = [
-        (
-            formats.section_beats(section) * formats.beat_words,
-            [
-                (field_values(primitives, name, formats), *place)
-                for name, place in formats.section(section).items()
-            ],
-        )
-        for section in ("edge", "second")
-    ]
+    sections = []
+    for name in ("edge", "second"):
+        fields = formats.section(name)
+        raws = np.stack([field_values(primitives, part, formats) for part in fields])
+        places = np.array([*fields.values()])
+        sections.append((formats.section_beats(name) * formats.beat_words, raws, places))
     at = ends - lengths
     for start in range(0, len(primitives), BLOCK):
         rows = np.arange(start, min(start + BLOCK, len(primitives)))
         present = rows
-        for section_words, placed in sections:
-            for raw, offset, width in placed:
-                _put_field(out, at, present, raw, offset, width)
+        for section_words, raws, places in sections:
+            _put_fields(out, at, present, raws, places[:, 0], places[:, 1])
             at[present] += section_words
             present = rows[primitives.header["has_second"][rows] != 0]
         _put_differences(out, at, rows, primitives.words, levels, layout)

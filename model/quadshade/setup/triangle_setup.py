@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numba import njit
 
@@ -65,6 +67,15 @@ def has_constant_depth(depth: np.ndarray, formats: Formats) -> np.ndarray:
     return same
 
 
+@lru_cache
+def _channel_limits(formats: Formats) -> tuple[Ints, Ints, Ints]:
+    """(carried,) each: the highest order, the lowest sample and the highest."""
+    tops = np.array([(1 << bits) - 1 for bits in formats.channel_value_bits])
+    # A cosine may be negative; the lane's clamp makes that zero.
+    lows = np.where(np.arange(len(tops)) < formats.num_channels, -tops * formats.with_shade, 0)
+    return np.array(formats.channel_max_order), lows, tops
+
+
 def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.ndarray, np.ndarray]:
     """Samples (n, carried, 6) and orders (n, carried) with depth as the last channel, all in range."""
     count, channels = len(triangles), formats.num_channels
@@ -81,19 +92,15 @@ def _checked_channels(triangles: ScreenTriangles, formats: Formats) -> tuple[np.
     if formats.with_depth and triangles.depth is not None:
         samples[:, channels, :3] = triangles.depth
         orders[:, channels] = np.where(has_constant_depth(triangles.depth, formats), CONSTANT, LINEAR)
-    for channel, most in enumerate(formats.channel_max_order):
-        order = orders[:, channel]
-        wrong = (order < CONSTANT) | (order > most)
-        if wrong.any():
-            index = int(np.argmax(wrong))
-            raise QuadshadeError(
-                f"triangle {index}: channel {names[channel]} has order {order[index]}, above the core's"
-                f" {ORDER_NAMES[most]}",
-                "raise generic max_order or lower the order",
-            )
-    tops = np.array([(1 << bits) - 1 for bits in formats.channel_value_bits])
-    # A cosine may be negative; the lane's clamp makes that zero.
-    lows = np.where(np.arange(len(tops)) < channels, -tops * formats.with_shade, 0)
+    most, lows, tops = _channel_limits(formats)
+    wrong = (orders < CONSTANT) | (orders > most)
+    if wrong.any():
+        channel, index = np.argwhere(wrong.T)[0]
+        raise QuadshadeError(
+            f"triangle {index}: channel {names[channel]} has order {orders[index, channel]}, above the core's"
+            f" {ORDER_NAMES[most[channel]]}",
+            "raise generic max_order or lower the order",
+        )
     index, channel = _first_bad_sample(samples, orders, lows, tops)
     if index >= 0:
         raise QuadshadeError(

@@ -18,7 +18,7 @@ from quadshade.shading.material import Material
 TINY = np.finfo(np.float64).tiny
 BLOCK = 256
 """Places of a triangle that are shaded together: each loop over them is one that a compiler vectorises."""
-ROWS = 21
+ROWS = 23
 """Numbers of each place."""
 
 
@@ -247,46 +247,42 @@ def cosines_to(lit: LitMesh, index: Int, count: Int, room: Floats) -> None:
 def light_at(lit: LitMesh, triangle: Int, count: Int, room: Floats) -> None:
     """Light at places, clamped and at full scale: from barycentric coordinates to colours, in ``room``."""
     surface_at(lit, triangle, count, room)
-    facing, cosine, intensity, shine, base = room[13], room[14], room[15], room[16], room[17]
+    facing, cosine, intensity, shine = room[13], room[14], room[15], room[16]
     for colour in range(3):
-        out = room[18 + colour]
-        for i in range(count):
-            out[i] = 0.0
+        base, out, own, level = room[17 + colour], room[20 + colour], lit.colour[colour], 0.0
+        for index in range(len(lit.lights)):
+            if lit.lights[index, 0] == 0:
+                level += lit.lights[index, 4 + colour] * lit.ambient[colour]
+        if len(lit.base):
+            corners = lit.base[triangle]
+            _across(room, count, corners[0, colour], corners[1, colour], corners[2, colour], base)
+            for i in range(count):
+                out[i] = level * base[i]
+        else:
+            for i in range(count):
+                base[i], out[i] = own, level * own
     for index in range(len(lit.lights)):
         light = lit.lights[index]
-        if light[0] != 0:
-            cosines_to(lit, index, count, room)
-            for i in range(count):
-                arriving = intensity[i] if facing[i] > 0 else 0.0
-                facing[i] *= arriving
-                intensity[i] = arriving if cosine[i] > 0 else 0.0
-                level = cosine[i] if cosine[i] < 1 else 1.0
-                cosine[i] = level if level > 0 else 0.0
-            raise_all(cosine, count, lit.exponent, lit.whole, shine)
-            for i in range(count):
-                shine[i] *= intensity[i]
+        if light[0] == 0:
+            continue
+        cosines_to(lit, index, count, room)
+        for i in range(count):
+            arriving = intensity[i] if facing[i] > 0 else 0.0
+            facing[i] *= arriving
+            intensity[i] = arriving if cosine[i] > 0 else 0.0
+            level = cosine[i] if cosine[i] < 1 else 1.0
+            cosine[i] = level if level > 0 else 0.0
+        raise_all(cosine, count, lit.exponent, lit.whole, shine)
+        for i in range(count):
+            shine[i] *= intensity[i]
         for colour in range(3):
-            out, own = room[18 + colour], lit.colour[colour]
-            if len(lit.base):
-                corners = lit.base[triangle]
-                _across(room, count, corners[0, colour], corners[1, colour], corners[2, colour], base)
-            else:
-                for i in range(count):
-                    base[i] = own
-            if light[0] == 0:
-                level = light[4 + colour] * lit.ambient[colour]
-                for i in range(count):
-                    out[i] += level * base[i]
-            else:
-                level, part = (
-                    light[4 + colour] * lit.diffuse[colour],
-                    light[4 + colour] * lit.specular[colour],
-                )
-                for i in range(count):
-                    out[i] += facing[i] * (level * base[i]) + shine[i] * part
+            base, out = room[17 + colour], room[20 + colour]
+            level, part = light[4 + colour] * lit.diffuse[colour], light[4 + colour] * lit.specular[colour]
+            for i in range(count):
+                out[i] += facing[i] * (level * base[i]) + shine[i] * part
     full = lit.full
     for colour in range(3):
-        out, source = room[colour], room[18 + colour]
+        out, source = room[colour], room[20 + colour]
         for i in range(count):
             level = source[i] if source[i] > 0 else 0.0
             out[i] = (level if level < 1 else 1.0) * full
@@ -352,7 +348,7 @@ def shade_pixels(lit: LitMesh, triangle: Ints, x: Ints, y: Ints, subpixel_bits: 
 
 @njit(cache=True, error_model="numpy")
 def shade_rows(lit: LitMesh, rows: MeshRows, subpixel_bits: int, light: Floats) -> None:
-    """Write the light (m, 3) at all pixels of a mesh."""
+    """Write the light (3, m) at all pixels of a mesh."""
     room, x, y = np.empty((ROWS, BLOCK)), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
     for triangle in range(len(rows.top)):
         row, last = rows.rows[triangle], rows.rows[triangle + 1]
@@ -369,4 +365,4 @@ def shade_rows(lit: LitMesh, rows: MeshRows, subpixel_bits: int, light: Floats) 
                     x[i - first], y[i - first] = column + i, scanline
                 place = stop
                 row += place == rows.places[row + 1]
-            _light_pixels(lit, triangle, x[:count], y[:count], first, subpixel_bits, room, light)
+            _light_pixels(lit, triangle, x[:count], y[:count], first, subpixel_bits, room, light.T)
