@@ -42,7 +42,12 @@ def looked_at(scene: str = "icosphere:1", width: int = 26, height: int = 21) -> 
 
 
 def sums(adapted: Adapted) -> dict[str, Any]:
-    """What is drawn, in few numbers."""
+    """
+    What is drawn, in few numbers.
+
+    Samples are solved for, and processors differ by 1e-10: as whole eighths of a grey level they are the same.
+    Another 1e-8 of each sample changes none of these.
+    """
     triangles = adapted.triangles
     return {
         "parts": len(adapted.root),
@@ -52,7 +57,7 @@ def sums(adapted: Adapted) -> dict[str, Any]:
         "root": zlib.crc32(adapted.root.astype("<i8").tobytes()),
         "vertices": zlib.crc32(triangles.vertices.astype("<i8").tobytes()),
         "error": float(adapted.error),
-        "samples": np.abs(triangles.samples).sum(axis=(0, 1)).tolist(),
+        "eighths": zlib.crc32(np.rint(8 * triangles.samples).astype("<i8").tobytes()),
     }
 
 

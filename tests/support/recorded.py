@@ -21,23 +21,21 @@ SUBJECTS = ("setup", "adapt")
 
 
 ADDITIONS = 1e-13
-"""What another order of a processor's additions makes of a number, relative,"""
-FITTED = {"samples": 1e-7}
-"""and of those that solve a system of equations, by name."""
+"""What another order of a processor's additions makes of a number, relative."""
 
 
-def assert_near(got: Any, wanted: Any, relative: float = ADDITIONS) -> None:
+def assert_near(got: Any, wanted: Any) -> None:
     """Floats up to another order of a processor's additions, all else exactly."""
     if isinstance(wanted, dict):
         assert list(got) == list(wanted)
         for name, number in wanted.items():
-            assert_near(got[name], number, FITTED.get(name, relative))
+            assert_near(got[name], number)
     elif isinstance(wanted, list):
         assert len(got) == len(wanted)
         for one, other in zip(got, wanted, strict=True):
-            assert_near(one, other, relative)
+            assert_near(one, other)
     elif isinstance(wanted, float):
-        assert got == pytest.approx(wanted, rel=relative, abs=0, nan_ok=True)
+        assert got == pytest.approx(wanted, rel=ADDITIONS, abs=0, nan_ok=True)
     else:
         assert got == wanted
 

@@ -140,6 +140,10 @@ class ErrorCurve:
         curves = self._curves_of([kind for kind in self._planners if kind not in hopeless])
         return curves, [Rival(kind, bounds[kind]) for kind in hopeless]
 
+    def least_possible(self, max_error: float) -> int:
+        """Bytes that no verified picture for a largest error is below, whatever its polynomials."""
+        return min(planner.least_possible(max_error) for planner in self._planners.values())
+
     def for_error(self, max_error: float) -> Adapted:
         """The picture of the fewest bytes that keeps an error; see :func:`adapt`."""
         least = OUTPUT_ROUNDING if self.measure == "max" else float(np.sqrt(OUTPUT_ROUNDING**2 / 3))

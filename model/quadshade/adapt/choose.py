@@ -254,7 +254,9 @@ def _parts(surface: Surface, edges: Edges, wanted: np.ndarray, shader: Shader) -
     return Surface(projected, root, assessed, part)
 
 
-def settle(surface: Surface, shader: Shader, goal: Goal) -> tuple[Surface, Decision]:
+def settle(
+    surface: Surface, shader: Shader, goal: Goal, decision: Decision | None = None
+) -> tuple[Surface, Decision]:
     """
     Choose orders and divide until nothing more is to be divided.
 
@@ -263,16 +265,19 @@ def settle(surface: Surface, shader: Shader, goal: Goal) -> tuple[Surface, Decis
     surface : Surface
     shader : Shader
     goal : Goal
+    decision : Decision, optional
+      What :func:`choose_orders` says of the surface, where it is known.
 
     Returns
     -------
     surface : Surface
     decision : Decision
     """
+    decision = choose_orders(surface, shader, goal) if decision is None else decision
     for _ in range(MAX_PASSES):
-        decision = choose_orders(surface, shader, goal)
         divided = divide(surface, decision, shader)
         if divided is surface:
-            return surface, decision
+            break
         surface = divided
-    return surface, choose_orders(surface, shader, goal)
+        decision = choose_orders(surface, shader, goal)
+    return surface, decision

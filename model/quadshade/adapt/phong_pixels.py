@@ -199,6 +199,9 @@ class PhongPixels:
         """
         primitives = setup_triangles(triangles, formats, limit=MAX_ERROR)
         decoded = decode_packets(pack(primitives, formats), formats.core)
+        # Depth is not compared, so it is not drawn.
+        colours = np.ascontiguousarray(decoded.differences[:, : formats.num_channels])
+        decoded = decoded._replace(differences=colours)
         errors, shaded = np.zeros((len(triangles), 4)), bool(formats.with_shade)
         errors[:, 3] = -1
         given = NO_SHADE

@@ -58,6 +58,7 @@ class Planner:
         if phong is None:
             phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
         self.projected, self.phong = projected, phong
+        self._whole_decisions: dict[float, Decision] = {}
         self._numbers, self._drawn = PairNumbers(), np.empty((0, 4))
 
     @cached_property
@@ -90,6 +91,13 @@ class Planner:
         surface, table = self.whole if surface is None else surface, table or self.shader.table()
         return Plan(self, *settle(surface, self.shader, Goal(allowed, price, agree)), table)
 
+    def undivided(self, max_error: float) -> Decision:
+        """Orders of the undivided mesh for a largest error, chosen once."""
+        if max_error not in self._whole_decisions:
+            goal = Goal(self.allowed(max_error))
+            self._whole_decisions[max_error] = choose_orders(self.whole, self.shader, goal)
+        return self._whole_decisions[max_error]
+
     def allowed(self, max_error: float) -> np.ndarray:
         """(roots,) float64: what is allowed of every triangle of the undivided mesh, for a largest error."""
         left = max_error - OUTPUT_ROUNDING - self.shader.table(max_error).error
@@ -97,12 +105,14 @@ class Planner:
 
     def first_for_limit(self, max_error: float, agree: float = 0.0) -> Plan:
         """The plan for a largest error as far as estimates go; ``agree`` of :class:`Goal`."""
-        return self.settled(self.allowed(max_error), agree=agree, table=self.shader.table(max_error))
+        decision = replace(self.undivided(max_error), agree=agree)
+        goal, table = Goal(self.allowed(max_error), agree=agree), self.shader.table(max_error)
+        return Plan(self, *settle(self.whole, self.shader, goal, decision), table)
 
     def least_bytes(self, max_error: float) -> int:
         """What the plan for a largest error takes at least: undivided, which is cheaper than divided."""
-        orders = choose_orders(self.whole, self.shader, Goal(self.allowed(max_error))).orders
-        return self.bytes_of(self.whole, orders, self.shader.table(max_error)) or 0
+        orders, table = self.undivided(max_error).orders, self.shader.table(max_error)
+        return self.bytes_of(self.whole, orders, table) or 0
 
     def least_possible(self, max_error: float) -> int:
         """
@@ -138,7 +148,7 @@ class Planner:
 
     def divides_much(self, max_error: float) -> bool:
         """Whether no order is good enough for many of the undivided triangles."""
-        wanting = choose_orders(self.whole, self.shader, Goal(self.allowed(max_error))).wanting
+        wanting = self.undivided(max_error).wanting
         return bool(wanting.sum() > (MUCH - 1) * len(wanting))
 
     def bytes_of(
@@ -151,13 +161,9 @@ class Planner:
 
         None where a part's words may be so coarse that the set-up divides it.
         """
-        packets = surface.assessed.packets
-        if (packets < 0).any():
+        if (surface.assessed.packets < 0).any():
             return None
-        one_edge = self.shader.second_words * (packets[:, 0] - packets[:, 1]).sum()
-        words = self.shader.words(orders) @ packets[:, 0] - one_edge
-        flat = packets[self.shader.constant_depth(surface.projected), 0].sum()
-        return 4 * int(np.rint(words - self.shader.depth_words * flat)) + table.bytes(first)
+        return 4 * self.shader.stream_words(surface, orders) + table.bytes(first)
 
     def for_limit(self, max_error: float, verify: bool) -> Plan:
         """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
@@ -200,8 +206,8 @@ class Planner:
         """The plan that spends a word where it takes away at least so much squared error."""
         return self.settled(np.full(len(self.whole.root), np.inf), price)
 
-    def _number(self, plan: Plan) -> np.ndarray:
-        """(n,) int64 a number for each part with its orders and table."""
+    def number(self, plan: Plan) -> np.ndarray:
+        """(n,) int64 a number for each part with its orders and table, asked for when they are drawn."""
         digits = len(ORDER_NAMES) ** np.arange(plan.decision.orders.shape[1] + 1)
         return self._numbers.numbers(
             plan.surface.part, plan.decision.orders @ digits[:-1] + plan.table.number * digits[-1]
@@ -212,7 +218,7 @@ class Planner:
         known, new, roots = len(self._numbers), [], []
         for plan in plans:
             before = len(self._numbers)
-            number = self._number(plan)
+            number = plan.number
             if len(self._numbers) > before:
                 # In the order of the new numbers.
                 some = np.flatnonzero(number >= before)
@@ -230,7 +236,7 @@ class Planner:
     def drawn(self, plan: Plan) -> PartErrors:
         """What the golden model draws, and how far its pixels are off: each part once with each orders."""
         self.draw([plan])
-        return PartErrors(*self._drawn[self._number(plan)].T)
+        return PartErrors(*self._drawn[plan.number].T)
 
 
 @dataclass(frozen=True)
@@ -282,6 +288,11 @@ class Plan:
         return self.planner.shader.screen_triangles(
             self.surface.projected, self.samples, self.decision.orders, self.table
         )
+
+    @cached_property
+    def number(self) -> np.ndarray:
+        """See :meth:`Planner.number`."""
+        return self.planner.number(self)
 
     @property
     def much_divided(self) -> bool:

@@ -51,6 +51,8 @@ class Surface:
       A number for each triangle: no two different ones that a shader has met have the same.
     last : ((edges,) bool, Surface) or None
       Edges that were split last, and what that made: plans for limits close together ask for the same ones.
+    words : float or None
+      Of its packets beside their channels' differences, once :meth:`Shader.stream_words` was asked.
     """
 
     projected: Projected
@@ -58,6 +60,8 @@ class Surface:
     assessed: Assessed
     part: np.ndarray
     last: tuple[np.ndarray, Surface] | None = None
+
+    words: float | None = None
 
     @cached_property
     def edges(self) -> Edges:
@@ -331,6 +335,17 @@ class Shader:
     def words(self, orders: np.ndarray) -> np.ndarray:
         """(...) float64 words of packets with a middle vertex, for (..., channels) orders."""
         return self.packet_words + NUM_DIFFERENCES[orders] @ self.difference_words
+
+    def stream_words(self, surface: Surface, orders: np.ndarray) -> int:
+        """Words of a surface's packets with (n, channels) orders."""
+        packets = surface.assessed.packets
+        if surface.words is None:
+            flat = packets[self.constant_depth(surface.projected), 0].sum()
+            all_packets, two_edged = packets.sum(axis=0)
+            one_edge = self.second_words * (all_packets - two_edged)
+            surface.words = self.packet_words * all_packets - one_edge - self.depth_words * flat
+        differences = packets[:, 0] @ NUM_DIFFERENCES[orders] @ self.difference_words
+        return int(np.rint(surface.words + differences))
 
     def constant_depth(self, projected: Projected) -> np.ndarray:
         """(n,) bool: triangles whose packets take :attr:`depth_words` less."""
