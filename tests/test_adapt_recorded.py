@@ -45,7 +45,7 @@ def sums(adapted: Adapted) -> dict[str, Any]:
     """
     What is drawn, in few numbers.
 
-    Samples are solved for, and processors differ by 1e-10: as whole eighths of a grey level they are the same.
+    Samples are solved for, and processors differ by 1e-10: as whole eighths of a grey level they do not.
     Another 1e-8 of each sample changes none of these.
     """
     triangles = adapted.triangles

@@ -45,7 +45,7 @@ LEVEL = 0.01
 FINE = 1e-4
 """Output units that no picture saves anything by: nothing better is looked for."""
 ROUGH, LEAST_ROUGH = 0.04, 0.02
-"""Of an error, and output units: what a power table may cost where channels do not reach its finest entries."""
+"""Of an error, and output units: what a table may cost where channels do not reach its finest entries."""
 FEWEST_OCTAVES, MOST_OCTAVES = 3, 8
 """Of a table. With fewer, places far from 1 would be coarser too; with more, channels reach up to 1."""
 TABLE_ERROR = 0.04
