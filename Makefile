@@ -231,7 +231,8 @@ mutation: setup ## which changes of the RTL the benches notice (hours); UNIT=, S
 
 .PHONY: mutation-python
 mutation-python: setup ## which changes of the host's Python do its tests notice; COUNT=600, SEED=n; goes on
-	@nice $(VENV) -m scripts.mutation.python $(foreach seed,$(SEED),--seed $(seed)) $(if $(COUNT),--count $(COUNT))
+	@nice $(VENV) -m scripts.mutation.python \
+	  $(foreach seed,$(SEED),--seed $(seed)) $(if $(COUNT),--count $(COUNT))
 
 .PHONY: screen
 screen: setup ## block RAM and area of what stands behind the pixel stream, clock of SEEDS runs (0: none)
