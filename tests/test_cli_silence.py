@@ -106,6 +106,6 @@ def test_a_size_that_no_board_has_is_estimated(engine: str, estimate: str) -> No
     settings = BoardSettings(screen_width=1920, screen_height=1080)
     assert large_screen_notice(settings, engine) == (
         "no board has 1920x1080 pixels, the largest screen is 640x480 (ulx3s-12f-sdram); reading the picture"
-        f" takes 62 s of a line at 1000000 baud{estimate}; give --screen 640x480: larger pictures are drawn on it"
-        " in tiles"
+        f" takes 62 s of a line at 1000000 baud{estimate}; give --screen 640x480: larger pictures are drawn"
+        " on it in tiles"
     )
