@@ -116,6 +116,25 @@ def test_a_board_that_was_reset_is_noticed_where_numbers_agree() -> None:
     assert not board.drawing.words
 
 
+@pytest.mark.parametrize("bits", [2, 8])
+def test_a_board_that_counts_in_few_bits_keeps_its_session(bits: int) -> None:
+    """As iCEBreaker: its count of frames wraps long before the host's, which is no reset."""
+    board = BoardModel(WIDTH, HEIGHT, most_counter_bits=bits)
+    line = Recorder(board)
+    session = Session(line, answer_seconds=0.01)
+    session.connect()
+    for _ in range(2 * SEQUENCES + 3):
+        session.clear()
+    assert session.check()["frames"] == (2 * SEQUENCES + 3) % (1 << bits)
+    line.lost = 1
+    session.clear(0x112233)
+    session.check()
+    assert session.statistics["resent"] == 1
+    board.feed(Frame(Opcode.RESET, 0, bytes(4)).encode())
+    with pytest.raises(BoardResetError, match="lost the session"):
+        session.check()
+
+
 def test_a_scene_arrives(words: np.ndarray) -> None:
     board = BoardModel(WIDTH, HEIGHT)
     session = session_with(board)

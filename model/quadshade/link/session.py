@@ -169,9 +169,16 @@ class Session(Exchange):
         return fields
 
     def _check_count(self, fields: dict[str, int]) -> None:
-        """That the board's count of frames is this session's; after a reset it is another."""
-        ahead = (fields["frames"] - self._accepted) % FRAME_COUNTS
-        if ahead > len(self._pending) or fields["expected"] != fields["frames"] % SEQUENCES:
+        """
+        That the board is in this session: its count of frames says so, for after a reset it is another.
+
+        A small board counts in fewer bits than the host. Where only the count differs, its session decides.
+        """
+        count = (fields["frames"] - self._accepted) % FRAME_COUNTS
+        number = (fields["expected"] - self._accepted) % SEQUENCES
+        if number > len(self._pending):
+            raise self._lost()
+        if count != number and self.request(Opcode.HELLO)["session"] != self.number:
             raise self._lost()
 
     @staticmethod
