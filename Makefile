@@ -54,6 +54,7 @@ report: setup ## what accuracy costs, as a page: build/report/index.html; goes o
 
 .PHONY: test
 test: setup ## run every test; T=name, TESTS=folder select, SEED=n sets the seed, WAVES=1 keeps waves
+	@$(if $(T)$(TESTS),,$(VENV) -m tests.support.compile_loops)
 	@$(PYTEST) $(TESTS) $(if $(T),-k '$(T)')
 
 .PHONY: test-netlist

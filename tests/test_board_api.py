@@ -146,10 +146,10 @@ def test_grey_and_without_depth_say_so() -> None:
     assert any("grey" in text for text in told)
 
 
-@pytest.mark.parametrize("rate", [1e-3, 1e-2])
-def test_a_damaged_line_costs_time_only(rate: float) -> None:
+@pytest.mark.parametrize(("rate", "scene"), [(1e-3, "sphere:168"), (1e-2, "sphere:2x3")])
+def test_a_damaged_line_costs_time_only(rate: float, scene: str) -> None:
     with Board("sim", settings=SMALL, engine="model", faults=(rate, 3), answer_seconds=0.05) as board:
-        board.draw(seen("sphere:168", board.host_formats))
+        board.draw(seen(scene, board.host_formats))
         board.read()
         assert board.statistics["resent"] > 0
 

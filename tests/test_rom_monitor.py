@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "tutorial" / "rom_monitor.md"
 SHOWN = ROOT / "docs" / "images" / "rom_monitor.png"
 DESIGN = ROOT / "examples" / "rom_monitor" / "rom_monitor.vhd"
-SIZE, SCALE = (32, 24), 2
+SIZE, SCALE = (28, 20), 2
 """Of the picture, and of its squares on the monitor."""
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -49,14 +49,14 @@ FUSED = "fused "
 """Before the names of what is computed with products fused with sums: each saves a rounding."""
 
 
-def draw(folder: Path) -> None:
-    """Run every command in this process."""
+def draw(folder: Path, names: Iterable[str] = tuple(COMMANDS)) -> None:
+    """Run commands, which are called by what they write, in this process."""
     from click.testing import CliRunner
 
     from quadshade.cli.main import main
 
-    for name, words in COMMANDS.items():
-        result = CliRunner().invoke(main, [*words, "-o", str(folder / name)])
+    for name in names:
+        result = CliRunner().invoke(main, [*COMMANDS[name], "-o", str(folder / name)])
         if result.exit_code:
             raise SystemExit(f"{name}: {result.output}\n{result.exception!r}")
 
