@@ -269,6 +269,10 @@ synth-check: setup ## measure the table synth/resources.json again and compare (
 bitstream: setup ## a board's bitstream in build/bitstream, BOARD=name of synth/boards
 	@$(VENV) -m scripts.bitstream build --seeds $(SEEDS) $(if $(BOARD),--board $(BOARD))
 
+.PHONY: bitstreams
+bitstreams: setup ## the bitstreams of all boards, for a release (hours)
+	@$(VENV) -m scripts.bitstream all --seeds $(SEEDS)
+
 .PHONY: release
 release: setup ## RTL, netlists, benches, built bitstreams as an archive in build/release
 	@$(VENV) -m scripts.release

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
 import subprocess
@@ -14,11 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from quadshade.contract.releases import definition_hash
 from quadshade.files.word_file import table_path
 from quadshade.rendering.groups import SetupChoice
 from quadshade.rendering.words import file_words
 from scripts.release import fusesoc
-from scripts.release.__main__ import archive, changes, files
+from scripts.release.__main__ import archive, bitstreams, changes, files
 
 ROOT = Path(__file__).resolve().parents[1]
 DESIGN = ROOT / "examples" / "design"
@@ -56,6 +58,27 @@ def test_the_sums_are_of_all_files(content: dict[str, bytes], unpacked: Path) ->
     said = run(["sha256sum", "--check", "SHA256SUMS"], unpacked)
     assert said.count(": OK") == len(content) - 1
     assert archive(content, "quadshade") == archive(dict(reversed(content.items())), "quadshade")
+
+
+def test_bitstreams_are_those_that_this_host_talks_to(tmp_path: Path) -> None:
+    row = {
+        "device": "ecp5-25k-6",
+        "screen": "160 x 120",
+        "clocks": {"clk": [101.5, 100.0]},
+        "definition": f"{definition_hash():08x}",
+    }
+    for name, about in (
+        ("now.bit", row),
+        ("before.bin", row | {"definition": "d74b0fed"}),
+        ("alone.fs", None),
+    ):
+        (tmp_path / name).write_bytes(b"bits")
+        if about:
+            (tmp_path / name).with_suffix(".json").write_text(json.dumps(about))
+    found, old = bitstreams(tmp_path)
+    text, data = found.pop("bitstreams/now.bit")
+    assert not found and old == ["alone.fs", "before.bin"] and data == b"bits"
+    assert text == "`now` for ecp5-25k-6, screen 160 x 120, MHz after place-and-route: clk 101.5 of 100"
 
 
 def test_its_readme_runs(unpacked: Path) -> None:

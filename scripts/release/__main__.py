@@ -10,6 +10,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import json
 import re
 import tarfile
 import tomllib
@@ -79,22 +80,41 @@ def netlists() -> dict[str, tuple[str, bytes]]:
     return found
 
 
-def bitstreams() -> dict[str, bytes]:
-    """What `make bitstream` has built here."""
-    paths = sorted(path for path in BITSTREAMS.glob("*") if path.suffix in (".bit", ".bin", ".fs"))
-    return {f"bitstreams/{path.name}": path.read_bytes() for path in paths}
+def bitstreams(folder: Path) -> tuple[dict[str, tuple[str, bytes]], list[str]]:
+    """
+    What `make bitstream` has built.
+
+    Returns
+    -------
+    dict
+      File name of each, with what it is and its bytes.
+    list of str
+      Names of those that another host talks to, because formats or protocol were others.
+    """
+    found, old = {}, []
+    for path in sorted(path for path in folder.glob("*") if path.suffix in (".bit", ".bin", ".fs")):
+        about = path.with_suffix(".json")
+        row = json.loads(about.read_text()) if about.is_file() else {"definition": ""}
+        if row["definition"] != f"{definition_hash():08x}":
+            old.append(path.name)
+            continue
+        clocks = ", ".join(f"{clock} {mhz:.1f} of {least:g}" for clock, (mhz, least) in row["clocks"].items())
+        text = (
+            f"`{path.stem}` for {row['device']}, screen {row['screen']}, MHz after place-and-route: {clocks}"
+        )
+        found[f"bitstreams/{path.name}"] = (text, path.read_bytes())
+    return found, old
 
 
-def files() -> dict[str, bytes]:
-    """Every file of the archive by name."""
-    written, built = netlists(), bitstreams()
-    rows = [f"| `{name}` | {text} |" for name, (text, _) in written.items()]
-    rows += [f"| `{name}` | the board, as `make program` loads it |" for name in built]
+def files(folder: Path = BITSTREAMS) -> dict[str, bytes]:
+    """Every file of the archive by name, with the bitstreams of a folder."""
+    written, (built, _) = netlists(), bitstreams(folder)
+    rows = [f"| `{name}` | {text} |" for name, (text, _) in (written | built).items()]
     about = ABOUT.format(version=quadshade.__version__, definition=definition_hash(), rows="\n".join(rows))
     copied = [ROOT / "LICENSE", ROOT / "quadshade.core", ROOT / "rtl" / "files.f", *rtl_files(ROOT), HOOK]
     copied += [ROOT / "examples" / "design" / name for name in BENCH]
     content = {str(path.relative_to(ROOT)): path.read_bytes() for path in copied}
-    content |= {name: data for name, (_, data) in written.items()} | built
+    content |= {name: data for name, (_, data) in (written | built).items()}
     content |= {"README.md": about.encode(), "CHANGES.md": changes().encode()}
     content["VERSION"] = f"{quadshade.__version__} {definition_hash():08x}\n".encode()
     sums = [f"{hashlib.sha256(data).hexdigest()}  {name}" for name, data in sorted(content.items())]
@@ -128,8 +148,12 @@ def main(output: Path) -> None:
     write_bytes(path, archive(content, folder))
     built = sum(name.startswith("bitstreams/") for name in content)
     click.echo(f"{path}: {len(content)} files, {built} bitstreams")
+    for name in bitstreams(BITSTREAMS)[1]:
+        click.echo(
+            f"release: {name} is of another protocol, and left out; `make bitstream` builds it anew", err=True
+        )
     if not built:
-        click.echo("release: no bitstream is built here; `make bitstream BOARD=...` builds one", err=True)
+        click.echo("release: no bitstream is built here; `make bitstreams` builds all", err=True)
 
 
 if __name__ == "__main__":
