@@ -11,7 +11,7 @@ import pytest
 
 from cocotb_tests.support.bench import Bench
 from cocotb_tests.support.simulation import identifier, simulate
-from quadshade.contract.vertex_program import OPERATIONS, WIDTH
+from quadshade.contract.vertex_program import OPERATIONS, WIDTH, ZERO_BITS
 from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli
 
 
@@ -25,14 +25,22 @@ def test_vertex_alu(config: Config) -> None:
     simulate("vertex_alu", config)
 
 
-async def operate(bench: Bench, name: str, operand: int, steps: int, line: int = 0) -> None:
-    """Load an operation and take its steps, with pauses; ``line`` are the bits that come, first lowest."""
+NAMES = ("add", "sub", "muli", "mulf", "div", "shl", "shr", "get", "take", "ones", "fold", "ldr")
+
+
+async def operate(bench: Bench, name: str, operand: int, steps: int, line: int = 0) -> int:
+    """
+    Load an operation and take its steps, with pauses; ``line`` are the bits that come, first lowest.
+
+    Returns the word that ``st`` would write in the place of this operation.
+    """
     shifts = name in ("shl", "shr")
     dut = bench.dut
     dut.operation.value = OPERATIONS.index(name)
     dut.operand.value = operand % (1 << WIDTH)
     dut.load.value = 1
     await bench.edge()
+    stored = cut(int(dut.word.value), WIDTH)
     dut.load.value = 0
     while steps:
         moves = bench.chance(0.9)
@@ -43,10 +51,13 @@ async def operate(bench: Bench, name: str, operand: int, steps: int, line: int =
         await bench.edge()
         steps, line = steps - (4 if by_four else moves), line >> moves
     dut.step.value = dut.by_four.value = 0
+    return stored
 
 
 def word(bench: Bench) -> int:
-    return cut(bench.bits(WIDTH), WIDTH)
+    """Any word, of few bits as often as of many; half of them are negative."""
+    bits = bench.draw.choice((1, 2, ZERO_BITS, ZERO_BITS + 1, WIDTH))
+    return cut(bench.bits(bits) << bench.draw.choice((0, WIDTH - bits)), WIDTH)
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -54,7 +65,7 @@ async def operations(dut: Any) -> None:
     bench = Bench(dut, Config, "operations")
     await bench.start("operation", "load", "operand", "step", "by_four", "line_bit", reset=False)
     for _ in range(160):
-        for name in ("add", "sub", "muli", "mulf", "div", "shl", "shr", "get", "ones", "fold"):
+        for name in NAMES:
             before, operand, shifter = word(bench), word(bench), word(bench)
             count = bench.draw.choice({"muli": (16, 18, 20, 22), "mulf": (36,)}.get(name, (1, 2, 7, 15)))
             line, steps = bench.draw.getrandbits(16), count
@@ -73,16 +84,20 @@ async def operations(dut: Any) -> None:
                 wanted = cut((before << count) % (1 << GUARD), GUARD), shifter
             elif name == "shr":
                 wanted = before >> count, shifter
-            elif name == "get":
+            elif name in ("get", "take"):
+                kept = 0 if name == "take" else before << count
                 came = sum((line >> index & 1) << count - 1 - index for index in range(count))
-                wanted = cut(((before << count) + came) % (1 << GUARD), GUARD), shifter
+                wanted = cut((kept + came) % (1 << GUARD), GUARD), shifter
             elif name == "ones":
                 wanted = count, shifter
+            elif name == "ldr":
+                steps, wanted = 0, (shifter, shifter)
             else:
                 steps, wanted = 1, (fold(before), shifter)
             await operate(bench, "ldq", shifter, 0)
             await operate(bench, "ld", before, 0)
-            await operate(bench, name, operand, steps, line)
+            behind_ld = await operate(bench, name, operand, steps, line)
+            bench.check("word behind ld", behind_ld, before, None, before)
             await bench.edge()
             if name in ("add", "sub"):
                 # Without a step, and while the next operand may come.
@@ -90,7 +105,8 @@ async def operations(dut: Any) -> None:
             inputs = (name, count, before, operand, shifter)
             acc = cut(int(dut.acc.value), GUARD)
             bench.check(name, acc, wanted[0], None, inputs)
-            bench.check("zero", int(dut.is_zero.value), int(cut(acc, WIDTH) == 0), None, inputs)
+            bench.check("word", cut(int(dut.word.value), WIDTH), cut(acc, WIDTH), None, inputs)
+            bench.check("zero", int(dut.is_zero.value), int(cut(acc, ZERO_BITS) == 0), None, inputs)
             if wanted[1] is not None:
                 bench.check("shift register", cut(int(dut.shifter.value), WIDTH), wanted[1], None, inputs)
     bench.finish(at_least=4000)

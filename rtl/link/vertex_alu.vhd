@@ -18,7 +18,7 @@ entity vertex_alu is
     clk : in std_ulogic;
     -- A number of the program's operations.
     operation : in u_unsigned(operation_bits - 1 downto 0);
-    -- The operand is there; ld and ldq then have done all, add and sub need a cycle more, but no step.
+    -- The operand is there; what ld, ldq, add and sub make of it is there a cycle later, without a step.
     load : in std_ulogic;
     operand : in u_signed(vertex_width - 1 downto 0);
     -- In the cycles after load: the operation takes a step; a shift one of four bits.
@@ -29,6 +29,8 @@ entity vertex_alu is
     -- Two bits more than a word of the memory hold twice the operand beside a sum.
     acc : out u_signed(vertex_width + 1 downto 0);
     shifter : out u_signed(vertex_width - 1 downto 0);
+    -- What the accumulator is or, behind ld, becomes: the word that st writes.
+    word : out u_signed(vertex_width - 1 downto 0);
     is_zero : out std_ulogic;
     -- What is left of the factor adds nothing after this step.
     spent : out std_ulogic
@@ -43,21 +45,23 @@ architecture rtl of vertex_alu is
   subtype sum_t is u_signed(sum_bits - 1 downto 0);
 
   signal sum, ahead, first, second, halved, other : sum_t;
-  signal use_sum, use_quarter, use_operand : std_ulogic;
+  signal use_sum, use_quarter : std_ulogic;
   signal value : sum_t := (others => '0');
-  signal number, factor : number_t := (others => '0');
+  signal number, factor, factor_now : number_t := (others => '0');
   -- What the adder makes of the operand: nothing, twice it, its complement.
   signal none, double, negate : std_ulogic := '0';
   -- The operation, one hot.
   signal is_muli, is_mulf, is_div, is_shift, is_get, is_halving, is_fold, is_ones : std_ulogic := '0';
-  -- A sum whose operand has just come; the factor's bits but the lowest are the same.
-  signal sums, same : std_ulogic := '0';
+  -- The operand has just come: of a sum, of ld, of ldq; the factor's bits but the lowest are the same.
+  signal sums, copies, sets_factor, same : std_ulogic := '0';
 
 begin
 
   acc <= value;
   shifter <= factor;
-  is_zero <= '1' when unsigned(value(width - 1 downto 0)) = 0 else '0';
+  word <= number when copies = '1' else value(width - 1 downto 0);
+  factor_now <= number when sets_factor = '1' else factor;
+  is_zero <= '1' when unsigned(value(zero_bits - 1 downto 0)) = 0 else '0';
   spent <= is_muli and same;
 
   ahead <= value(sum_bits - 2 downto 0)
@@ -91,11 +95,7 @@ begin
   others_choice : process (all)
   begin
     other <= value;
-    if load = '1' then
-      if operation = do_ones then
-        other <= (others => '0');
-      end if;
-    elsif step = '1' then
+    if step = '1' then
       if is_shift = '1' and by_four = '1' then
         other <= shift_left(value, 4);
       elsif is_shift = '1' then
@@ -117,7 +117,6 @@ begin
 
   use_sum <= sums or (step and (is_muli or is_div));
   use_quarter <= step and is_mulf;
-  use_operand <= '1' when load = '1' and operation = do_ld else '0';
 
   registers : process (clk)
     -- Two bits of the factor and the one below.
@@ -137,9 +136,7 @@ begin
         none <= '0';
         double <= '0';
         negate <= '0';
-        if operation = do_ldq then
-          factor <= operand;
-        elsif operation = do_ones then
+        if operation = do_ones then
           is_ones <= '1';
         elsif operation = do_sub then
           negate <= '1';
@@ -152,7 +149,7 @@ begin
           negate <= '1';
         elsif operation = do_shl then
           is_shift <= '1';
-        elsif operation = do_get then
+        elsif operation = do_get or operation = do_take then
           is_shift <= '1';
           is_get <= '1';
         elsif operation = do_shr then
@@ -164,30 +161,43 @@ begin
         if is_muli = '1' then
           number <= number(width - 3 downto 0) & "00";
         end if;
-        if is_muli = '1' or is_mulf = '1' then
-          factor <= "00" & factor(width - 1 downto 2);
-        elsif is_div = '1' then
-          factor <= factor(width - 2 downto 0) & not sum(sum_bits - 1);
+        if is_div = '1' then
           -- Below zero the operand comes back with the next bit.
           negate <= not sum(sum_bits - 1);
         end if;
+      end if;
+
+      if sets_factor = '1' then
+        factor <= number;
+      elsif step = '1' and (is_muli = '1' or is_mulf = '1') then
+        factor <= "00" & factor(width - 1 downto 2);
+      elsif step = '1' and is_div = '1' then
+        factor <= factor(width - 2 downto 0) & not sum(sum_bits - 1);
       end if;
 
       if step = '1' then
         same <= (and std_ulogic_vector(factor(spent_bits + 1 downto 3)))
           or not (or std_ulogic_vector(factor(spent_bits + 1 downto 3)));
       else
-        same <= (and std_ulogic_vector(factor(spent_bits - 1 downto 1)))
-          or not (or std_ulogic_vector(factor(spent_bits - 1 downto 1)));
+        same <= (and std_ulogic_vector(factor_now(spent_bits - 1 downto 1)))
+          or not (or std_ulogic_vector(factor_now(spent_bits - 1 downto 1)));
       end if;
 
       sums <= '0';
-      if load = '1' and (operation = do_add or operation = do_sub) then
-        sums <= '1';
+      copies <= '0';
+      sets_factor <= '0';
+      if load = '1' then
+        if operation = do_add or operation = do_sub then
+          sums <= '1';
+        elsif operation = do_ld then
+          copies <= '1';
+        elsif operation = do_ldq then
+          sets_factor <= '1';
+        end if;
       end if;
       value <= other;
-      if use_operand = '1' then
-        value <= resize(operand, sum_bits);
+      if copies = '1' then
+        value <= resize(number, sum_bits);
       elsif use_sum = '1' then
         value <= sum;
         if is_div = '0' then
@@ -196,11 +206,16 @@ begin
       elsif use_quarter = '1' then
         value <= sum(sum_bits - 1) & sum(sum_bits - 1) & sum(sum_bits - 1 downto 2);
       end if;
+      if load = '1' and (operation = do_ones or operation = do_take) then
+        value <= (others => '0');
+      elsif load = '1' and operation = do_ldr then
+        value <= resize(factor, sum_bits);
+      end if;
 
       -- Booth: minus twice the high bit, plus the middle and the low one.
       if load = '1' then
-        high := factor(1);
-        middle := factor(0);
+        high := factor_now(1);
+        middle := factor_now(0);
         low := '0';
       else
         high := factor(3);

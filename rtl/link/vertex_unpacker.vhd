@@ -88,12 +88,11 @@ architecture rtl of vertex_unpacker is
   signal no_step, last_step, by_four, known : std_ulogic := '0';
   signal run : u_unsigned(run_bits - 1 downto 0) := (others => '0');
 
-  signal fetched, shifter : number_t;
+  signal fetched, shifter, word : number_t;
   signal acc : u_signed(width + 1 downto 0);
-  -- The operation shifts the accumulator; its operand says how many steps, and is in the memory.
-  signal shifts, counted, comes_late : boolean := false;
-  -- A zero of the line ends it.
-  signal tells : std_ulogic;
+  -- The operation needs neither line nor core, shifts the accumulator, reads bits, up to a zero; its operand
+  -- says how many steps, and is in the memory.
+  signal computes, shifts, reads, tells, counted, comes_late, waits_first : std_ulogic := '0';
   signal load, is_zero, spent : std_ulogic;
 
   -- The operation moves on; it is at its end; the next instruction is fetched; a jump is taken.
@@ -113,6 +112,14 @@ architecture rtl of vertex_unpacker is
   signal pads, full : std_ulogic := '0';
   signal leaves, gone, by_two : std_ulogic;
 
+  function is_in(number : u_unsigned; low, high : natural) return std_ulogic is
+  begin
+    if number >= low and number <= high then
+      return '1';
+    end if;
+    return '0';
+  end function;
+
 begin
 
   assert num_channels <= 4 and max_order >= 1 and subpixel_bits >= 5 and coord_bits + subpixel_bits <= 20
@@ -131,7 +138,8 @@ begin
   numbers : entity work.vertex_alu
     port map (
       clk => clk, operation => operation, load => load, operand => fetched, step => moves, by_four => by_four,
-      line_bit => line_word(0), acc => acc, shifter => shifter, is_zero => is_zero, spent => spent
+      line_bit => line_word(0), acc => acc, shifter => shifter, word => word, is_zero => is_zero,
+      spent => spent
     );
 
   -- The operand of the next instruction is read while this one ends.
@@ -139,23 +147,28 @@ begin
     variable base : address_t;
   begin
     base := (others => '0');
-    if unsigned(code_next(operation_low - 1 downto mode_low)) = mode_indexed then
+    if code_next(indexed_at) = '1' then
       base := pointer + index;
     end if;
     read_address <= base + unsigned(code_next(count_bits + program_bits - 1 downto count_bits));
     fetched <= signed(read_data);
-    if unsigned(code(operation_low - 1 downto mode_low)) = mode_immediate then
+    if code(immediate_at) = '1' then
       fetched <= resize(signed(code(mode_low - 1 downto count_bits)), width);
     end if;
   end process;
 
   load <= '1' when step = loading else '0';
-  tells <= '1' when operation = do_ones else '0';
 
   -- What the operation needs of line and core, and whether this is its last cycle.
   control : process (all)
   begin
     moves <= '0';
+    if step = executing and known = '1' and no_step = '0' then
+      -- Of raw until it is known whether any word is left.
+      moves <= computes or waits_first or (reads and line_held and (line_word(0) or not tells));
+    elsif step = executing and known = '1' then
+      moves <= computes and not shifts;
+    end if;
     done <= '0';
     take <= '0';
     drop <= '0';
@@ -168,8 +181,7 @@ begin
       done <= line_held and line_word(0);
     elsif operation = do_raw then
       if no_step = '0' then
-        -- Until it is known whether any word is left.
-        moves <= '1';
+        null;
       elsif filling = '1' then
         fills <= '1';
       elsif line_index /= 0 then
@@ -181,9 +193,8 @@ begin
         fills <= unpacking;
         done <= not unpacking;
       end if;
-    elsif operation = do_get or operation = do_ones then
+    elsif reads = '1' then
       take <= line_held and not no_step;
-      moves <= line_held and not no_step and (line_word(0) or not tells);
       done <= no_step or (line_held and (last_step or (tells and not line_word(0))));
     elsif operation = do_put then
       done <= gone;
@@ -193,9 +204,6 @@ begin
       done <= gone and not full;
     else
       done <= last_step or spent;
-      if not (shifts and no_step = '1') then
-        moves <= '1';
-      end if;
     end if;
   end process;
 
@@ -206,74 +214,63 @@ begin
     else '0';
 
   ends <= '1' when done = '1' or (step = loading and code(quick_at) = '1') else '0';
-  fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0' and take_jump = '0') else '0';
+  -- Behind a jump that is taken, what was fetched is not executed.
+  fetch <= '1' when step = fetching or (ends = '1' and code(waits_at) = '0') else '0';
 
   packed_valid <= fills or passes;
   packed_data <= (others => '0') when fills = '1' else line_word;
   line_ready <= not line_held;
 
   advance : process (clk)
-    variable steps, rest : u_unsigned(count_bits - 1 downto 0);
+    variable rest : u_unsigned(count_bits - 1 downto 0);
   begin
     if rising_edge(clk) then
-      rest := left - (moves and not no_step);
-      if by_four = '1' then
-        rest := left - 4;
-      end if;
-      if step = loading then
-        -- Of an operand in the memory it is not known yet.
+      rest := left - 4 when by_four = '1' else left - (moves and not no_step);
+      if load = '1' then
+        step <= executing;
+        -- None of an operand in the memory: it comes late, and is looked at a clock later.
         rest := unsigned(code(count_bits - 1 downto 0));
       end if;
-      steps := rest;
-      if step = loading then
-        step <= executing;
-        if counted or operation = do_put then
-          steps := unsigned(fetched(count_bits - 1 downto 0));
-        elsif operation = do_ldp then
-          pointer <= unsigned(fetched(program_bits - 1 downto 0));
-        elsif operation = do_ldx then
-          index <= unsigned(fetched(2 downto 0));
-        end if;
+      left <= rest;
+      if load = '1' and counted = '1' then
+        left <= unsigned(fetched(count_bits - 1 downto 0));
       end if;
-      left <= steps;
-      -- A number from the memory comes late: it is looked at a clock later.
-      known <= '1';
+      known <= not (load and comes_late);
       no_step <= '0';
       last_step <= '0';
       by_four <= '0';
-      if step = loading and comes_late then
-        known <= '0';
-      else
-        if rest <= 1 or (shifts and rest = 4) then
-          last_step <= '1';
-        end if;
-        if rest = 0 then
-          no_step <= '1';
-        end if;
-        if shifts and rest >= 4 then
-          by_four <= '1';
-        end if;
+      if rest <= 1 or (shifts = '1' and rest = 4) then
+        last_step <= '1';
+      end if;
+      if rest = 0 then
+        no_step <= '1';
+      end if;
+      if shifts = '1' and rest >= 4 then
+        by_four <= '1';
       end if;
 
       if fetch = '1' then
         code <= code_next;
-        shifts <= operation_next = do_shl or operation_next = do_shr;
-        counted <= operation_next = do_shl or operation_next = do_shr or operation_next = do_get;
-        comes_late <= (operation_next = do_shl or operation_next = do_shr or operation_next = do_get)
-          and unsigned(code_next(operation_low - 1 downto mode_low)) /= mode_immediate;
+        computes <= is_in(operation_next, do_ld, do_shr);
+        shifts <= is_in(operation_next, do_shl, do_shr);
+        reads <= is_in(operation_next, do_get, do_ones);
+        tells <= is_in(operation_next, do_ones, do_ones);
+        counted <= is_in(operation_next, do_shl, do_take);
+        comes_late <= is_in(operation_next, do_shl, do_take) and not code_next(immediate_at);
+        waits_first <= is_in(operation_next, do_raw, do_raw);
         code_next <= code_read;
         place <= read_address;
         step <= loading;
       elsif ends = '1' then
         step <= fetching;
-        if take_jump = '1' then
-          step <= jumping;
-        end if;
       elsif step = jumping then
         step <= jumped;
       elsif step = jumped then
         code_next <= code_read;
         step <= fetching;
+      end if;
+      if step = loading and take_jump = '1' then
+        step <= jumping;
       end if;
 
       if fetch = '1' or step = jumping or step = jumped then
@@ -292,6 +289,10 @@ begin
           depth <= depth - 1;
         elsif operation = do_loop then
           index <= index + 1;
+        elsif operation = do_ldx then
+          index <= unsigned(code(count_bits + index'high downto count_bits));
+        elsif operation = do_ldp then
+          pointer <= unsigned(fetched(program_bits - 1 downto 0));
         end if;
       end if;
       if reset = '1' then
@@ -382,7 +383,7 @@ begin
   end process;
 
   memory_write <= '1' when step = loading and (operation = do_st or operation = do_stq) else '0';
-  memory_data <= shifter when operation = do_stq else acc(width - 1 downto 0);
+  memory_data <= shifter when operation = do_stq else word;
 
   store : process (clk)
   begin

@@ -41,7 +41,7 @@ def _steps(row: source.Instruction) -> str:
     """The count as the unit has it: steps of an operation whose operand does not say them; a loop's end."""
     if row.operation in ("muli", "mulf"):
         return f"({row.times}) / 2"
-    if row.operation in ("shl", "shr", "get") and row.mode == source.IMMEDIATE:
+    if row.operation in ("shl", "shr", "get", "take") and row.mode == source.IMMEDIATE:
         return row.operand
     return {"ones": str(source.LONGEST_PREFIX), "raw": "1"}.get(row.operation, row.times)
 
@@ -81,6 +81,7 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
         f"  constant memory_words : positive := {source.MEMORY_WORDS};",
         f"  constant run_bits : positive := {source.RUN_BITS};",
         f"  constant spent_bits : positive := {source.SPENT_BITS};",
+        f"  constant zero_bits : positive := {source.ZERO_BITS};",
         "",
         "  -- An instruction, lowest first: count, operand, mode, operation, whether the next one waits, and",
         "  -- whether it takes the clock of its operand alone.",
@@ -95,8 +96,8 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
         "  subtype vertex_code_t is std_ulogic_vector(quick_at downto 0);",
         "  constant program_bits : positive := 10;",
         "  type vertex_program_t is array (0 to 2 ** program_bits - 1) of vertex_code_t;",
-        f"  constant mode_indexed : natural := {source.INDEXED};",
-        f"  constant mode_immediate : natural := {source.IMMEDIATE};",
+        f"  constant indexed_at : positive := mode_low + {source.INDEXED.bit_length() - 1};",
+        f"  constant immediate_at : positive := mode_low + {source.IMMEDIATE.bit_length() - 1};",
         *(f"  constant do_{name} : natural := {i};" for i, name in enumerate(source.OPERATIONS)),
         "",
         f"  constant num_instructions : positive := {len(instructions)};",

@@ -71,22 +71,24 @@ LIMITS = (
 """What a board with this unit is: expression, lowest and highest value."""
 
 OPERATIONS = (
-    *("ld", "add", "sub", "ldq", "muli", "mulf", "div", "st", "stq", "ldp", "ldx", "loop"),
-    *("shl", "shr", "get", "ones", "fold", "start", "raw", "put", "word", "align"),
+    *("ld", "add", "sub", "ldq", "ldr", "muli", "mulf", "div", "st", "stq", "ldp", "ldx", "loop"),
+    *("fold", "shl", "shr", "put", "get", "take", "ones", "start", "raw", "word", "align"),
     *("jmp", "jz", "jnz", "jn", "jnn", "call", "ret"),
 )
 """
 ``ld add sub``  the accumulator is, or adds, or subtracts, the operand
 ``ldq``         the shift register is the operand
+``ldr``         the accumulator is the shift register
 ``muli``        add operand x the lowest ``count`` bits of the shift register, signed, two a clock until the
                 others are all the same
 ``mulf``        the same, of all bits, and then shift right by ``count``: towards minus infinity
 ``div``         ``count`` steps of the non-restoring division of accumulator and shift register by the operand
 ``st stq``      the memory gets the accumulator, or the shift register
-``ldp ldx``     the pointer, or the index, is the operand
+``ldp ldx``     the pointer, or the index, is the operand; of the index a number of the program
 ``loop``        add one to the index, and jump as long as it is below ``count``
 ``shl shr``     shift the accumulator by the operand, arithmetically, four bits a clock
 ``get``         shift so many bits of the line in
+``take``        the same, into an accumulator of 0
 ``ones``        the accumulator is the number of ones before the next zero, ``LONGEST_PREFIX`` at most
 ``fold``        0, 1, 2, 3, 4 become 0, -1, 1, -2, 2
 ``start``       skip zeros and a one
@@ -94,18 +96,22 @@ OPERATIONS = (
 ``put word``    so many bits of the accumulator go out, two a clock, while the program goes on; a whole set-up
                 word of a difference does
 ``align``       zeros up to the end of the set-up word
-``jmp jz jnz jn jnn call ret``  jumps: always, if the accumulator is zero, is not, is negative, is not
+``jmp jz jnz jn jnn call ret``  jumps: always, if the accumulator's lowest bits are zero, are not, if it is
+                negative, is not
 """
+
+ZERO_BITS = 16
+"""Of them ``jz`` and ``jnz`` look at: numbers of a few bits, differences of coordinates."""
 
 JUMPS = ("jmp", "jz", "jnz", "jn", "jnn", "call", "loop")
-QUICK = ("ld", "add", "sub", "ldq", "st", "stq", "ldp", "ldx", "ret", *JUMPS)
+QUICK = ("ld", "add", "sub", "ldq", "ldr", "st", "stq", "ldp", "ldx", "ret", *JUMPS)
 """
-Operations that take the clock of their operand alone, in whose end the next instruction's is read. A sum is
-there a clock later.
+Operations that take the clock of their operand alone, in whose end the next instruction's is read. What
+``ld``, ``ldq``, ``add`` and ``sub`` make of it is there a clock later.
 """
 
-NEEDS_SUM = ("ld", "st", "jz", "jnz", "jn", "jnn", "ones", "raw")
-"""Operations that read or write the accumulator in the clock of their operand."""
+NEEDS_ACC = ("st", "jz", "jnz", "jn", "jnn", "raw")
+"""Operations that read the accumulator in the clock of their operand; ``st`` behind ``ld`` writes that."""
 
 SPENT_BITS = 22
 """``muli`` is over when so many lowest bits of the shift register, but the last, are the same."""
@@ -200,7 +206,11 @@ def _waits(row: Instruction, behind: Instruction) -> int:
     if row.operation in ("ldp", "ldx", "loop"):
         return int(behind.mode == INDEXED)
     if row.operation in ("add", "sub"):
-        return int(behind.operation in NEEDS_SUM)
+        return int(behind.operation in NEEDS_ACC)
+    if row.operation == "ld":
+        return int(behind.operation in NEEDS_ACC and behind.operation != "st")
+    if row.operation == "ldq":
+        return int(behind.operation in ("stq", "ldr"))
     if row.operation in ("st", "stq"):
         apart = row.mode == behind.mode == DIRECT and row.operand != behind.operand
         return int(behind.mode != IMMEDIATE and behind.operation not in ("st", "stq") and not apart)
@@ -214,7 +224,7 @@ def instruction_clocks(operation: str, count: int, waits: int) -> int:
     Those of operations that take as many as a number says are counted when it is known.
     """
     steps = {"mulf": count // 2, "div": count}.get(operation, 1)
-    if operation in (*QUICK, "muli", "shl", "shr", "get", "ones", "start"):
+    if operation in (*QUICK, "muli", "shl", "shr", "get", "take", "ones", "start"):
         steps = 0
     return 1 + steps + waits
 

@@ -11,14 +11,14 @@ from __future__ import annotations
 _DECODE = """
 main:
     start
-    ld #0; get #1; jz triangle
-    ld #0; get #1; jz parameters
-    ld #0; get #RUN_BITS; raw
+    take #1; jz triangle
+    take #1; jz parameters
+    take #RUN_BITS; raw
     jmp main
 parameters:
     ldx #0; ldp #@k_place
 parameter:
-    ld #0; get #PARAMETER_BITS; st p+0; loop parameter, len_parameters
+    take #PARAMETER_BITS; st p+0; loop parameter, len_parameters
     ld #1; shl k_place; st b_place; ld #1; shl k_colour; st b_colour; ld #1; shl k_depth; st b_depth
     ld #1; shl k_middle; st b_middle
     ld #1; shl shift_colour; shl #RATIO_FRAC + SAMPLE_FRAC - 1; st half_colour; ld #1; shl shift_depth
@@ -30,11 +30,11 @@ clear:
     ld t; add #8; st t; add #0 - SCRATCH_AT; jn clear
     ld #MIDDLES_AT; st next_middle; jmp main
 triangle:
-    ldx #0; ones; st trim_top; ones; st trim_bottom; ld #0; get #1; st quadratic; ld #max_order - 2
+    ldx #0; ones; st trim_top; ones; st trim_bottom; take #1; st quadratic; ld #max_order - 2
     jnn corners
     ld #0; st quadratic
 corners:
-    ld #0; get #2; jz drop_first
+    take #2; jz drop_first
     add #0 - 1; jz drop_second
     add #0 - 1; jz drop_third
     ld v2; st pa; st pb; st px; call point; st v0; st pa; st pb; st px; call point; st v1; ld quadratic
@@ -54,14 +54,14 @@ third:
     call point; st v2; ld quadratic; jz sort
     ld v0; st pa; ld v2; st pb; call middle; st m1; ld v1; st pa; call middle; st m2; jmp sort
 point:
-    ld #0; get #1; jnz new_point
+    take #1; jnz new_point
     get #6; shl #3; ret
 new_point:
-    ld #0; get #1; st moved; jnz moved_point
+    take #1; st moved; jnz moved_point
     ldx #0; ld k_place; st k; ld b_place; st bias; call residual; call keep; ldx #1; call residual
     call keep; jmp point_colours
 moved_point:
-    ld #0; get #6; shl #3; st slot; ldx #0
+    take #6; shl #3; st slot; ldx #0
     ldp slot; ld p+0; ldp next_vertex; st p+0; ldp slot; ld p+1; ldp next_vertex; st p+1
     ldp slot; ld p+2 + num_channels; ldp next_vertex; st p+2 + num_channels
 point_colours:
@@ -85,7 +85,7 @@ residual:
 long_residual:
     get #LONG_BITS; fold; ret
 middle:
-    ld #0; get #1; jnz new_middle
+    take #1; jnz new_middle
     get #6; shl #2; add #MIDDLES_AT; ret
 new_middle:
     ldx #0; ld #0; st e; ld k_middle; st k; ld b_middle; st bias
@@ -159,13 +159,13 @@ straight:
     div double, 1 + column_bits; jnn whole
     add double
 whole:
-    stq t; shr #1 + column_bits; st rest; ld t; add #0 - 2 ** column_bits; st p+0; put #column_bits
+    shr #1 + column_bits; st rest; ldr; add #0 - 2 ** column_bits; st p+0; put #column_bits
     ld dx; jz flat
     ld rows; add #0 - 1; jz flat
     ld wide; add dx; ldq #0; div double, 1 + column_bits; jnn whole_step
     add double
 whole_step:
-    stq t; shr #1 + column_bits; st m; sub dy; st dx; add rest; put #error_bits; ld t
+    shr #1 + column_bits; st m; sub dy; st dx; add rest; put #error_bits; ldr
     add #0 - 2 ** column_bits; st p+1; put #column_bits; ld m; put #edge_bits; ld dx; put #error_bits; ret
 flat:
     ld #0 - 1; put #error_bits; ld #0; st p+1; put #column_bits; put #edge_bits; ld #0 - 1
@@ -184,14 +184,14 @@ positive:
 pixel:
     ld column; add column; add #1; shl #subpixel_bits; sub x1; sub x1; st right; ld y; add y; add #1
     shl #subpixel_bits; sub y1; sub y1; st down; ld wide; shr #1; ldq right; muli y3, 20; ldq down
-    muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t; sub offset; st u; ld wide; shr #1
-    ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; stq t; ld t
+    muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; ldr; sub offset; st u; ld wide; shr #1
+    ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; ldr
     sub offset; st v; ld nx3; ldq step; muli y3, 16; shl #subpixel_bits - 4; add area; ldq #0
-    div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pu; ld x2; ldq step; muli ny2, 16
-    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t; sub offset; st pv
-    ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; stq t; ld t
+    div double, RATIO_FRAC + 5; ldr; sub offset; st pu; ld x2; ldq step; muli ny2, 16
+    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; ldr; sub offset; st pv
+    ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; ldr
     sub offset; st qu; ld qy2; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5
-    stq t; ld t; sub offset; st qv; ld quadratic; jnz products
+    ldr; sub offset; st qv; ld quadratic; jnz products
     jmp channels
 """
 

@@ -26,15 +26,16 @@ from quadshade.contract.vertex_program import (
     RATIO_FRAC,
     SAMPLE_FRAC,
     WIDTH,
+    ZERO_BITS,
     check_formats,
     evaluated,
 )
 from quadshade.golden.link.vertex_alu import GUARD, cut, div, fold, mulf, muli, muli_steps, shift_clocks
 from quadshade.golden.link.word_unpacker import WordUnpacker
 
-_LD, _ADD, _SUB, _LDQ, _MULI, _MULF, _DIV, _ST, _STQ, _LDP, _LDX, _LOOP = range(12)
-_SHL, _SHR, _GET, _ONES, _FOLD, _START, _RAW, _PUT, _WORD, _ALIGN = range(12, 22)
-_JMP, _JZ, _JNZ, _JN, _JNN, _CALL, _RET = range(22, len(OPERATIONS))
+_LD, _ADD, _SUB, _LDQ, _LDR, _MULI, _MULF, _DIV, _ST, _STQ, _LDP, _LDX, _LOOP = range(13)
+_FOLD, _SHL, _SHR, _PUT, _GET, _TAKE, _ONES, _START, _RAW, _WORD, _ALIGN = range(13, 24)
+_JMP, _JZ, _JNZ, _JN, _JNN, _CALL, _RET = range(24, len(OPERATIONS))
 
 WHOLE, EMPTY, STARVED, RAW = range(4)
 """
@@ -169,6 +170,8 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             acc = cut(acc - value, WIDTH)
         elif operation == _LDQ:
             shifter = value
+        elif operation == _LDR:
+            acc = shifter
         elif operation == _MULI:
             acc = muli(acc, value, shifter, counts[pc - 1])
             machine.clocks += muli_steps(shifter, counts[pc - 1])
@@ -188,7 +191,9 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
         elif operation == _SHR:
             acc >>= value & 63
             machine.clocks += shift_clocks(value & 63) + (mode != IMMEDIATE)
-        elif operation == _GET:
+        elif operation in (_GET, _TAKE):
+            if operation == _TAKE:
+                acc = np.int64(0)
             machine.clocks += int(max(value & 63, 1)) + (mode != IMMEDIATE)
             for _ in range(value & 63):
                 bit = _line(words, machine)
@@ -231,18 +236,13 @@ def _run_packet(words: Words32, machine: _Machine, memory: Ints, layout: _Layout
             _give(machine, np.int64(0), np.int64(-machine.word_bits % SETUP_WORD_BITS), out)
             machine.put_done += 1
         else:
-            low = cut(acc, WIDTH)
             if operation == _LOOP:
                 index = (index + 1) & 7
                 jumps = index < counts[pc - 1]
-            elif operation == _JZ:
-                jumps = low == 0
-            elif operation == _JNZ:
-                jumps = low != 0
-            elif operation == _JN:
-                jumps = low < 0
-            elif operation == _JNN:
-                jumps = low >= 0
+            elif operation in (_JZ, _JNZ):
+                jumps = (cut(acc, ZERO_BITS) == 0) == (operation == _JZ)
+            elif operation in (_JN, _JNN):
+                jumps = (cut(acc, WIDTH) < 0) == (operation == _JN)
             else:
                 jumps = True
             if operation == _CALL:
