@@ -138,6 +138,17 @@ def test_bytes_of_a_triangle(camera: str, shading: str, most: int) -> None:
     assert 20 < 4 * len(batch.words) / len(np.unique(primitives.triangle)) < most
 
 
+@pytest.mark.parametrize("formats", [FORMATS[0], FORMATS[4]], ids=["default", "narrow"])
+def test_bits_that_are_zero_in_all_words_are_not_sent(formats: Formats, seed: int) -> None:
+    primitives = setup_triangles(random_triangles(formats, 60, seed), formats)
+    coarse = replace(primitives, words=primitives.words & -64)
+    batches = [pack_primitives(given, formats, 0.0) for given in (primitives, coarse)]
+    sent = int(np.array([1, 3, 6])[primitives.orders].sum())
+    saved = 32 * (len(batches[0].words) - len(batches[1].words))
+    assert 5 * sent < saved
+    assert np.array_equal(unpack(batches[1].words, formats), pack(coarse, formats))
+
+
 def test_no_width_is_beyond_its_field() -> None:
     """Over the border of a screen of the full size too, where a column is one more than its bits can say."""
     formats = Formats(num_channels=1, coord_bits=6)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from quadshade.contract.formats import Formats
+from quadshade.packing.read_primitives import read_primitives
 from quadshade.setup.packet import pack, packet_words
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.setup_reference import screen_triangles
@@ -125,6 +126,9 @@ def test_round_trip(config: dict[str, int], rng: np.random.Generator) -> None:
     words = pack(primitives, formats)
     assert words.dtype == np.uint32
     assert packet_words(primitives.orders, primitives.header["has_second"], formats).sum() == len(words)
+    again = read_primitives(words, formats)
+    assert np.array_equal(again.orders, primitives.orders) and np.array_equal(again.words, primitives.words)
+    assert np.array_equal(pack(again, formats), words)
     packets = unpack(words, formats)
     assert len(packets) == len(primitives)
     names = ("column", "error", "step", "increment", "decrement")

@@ -25,7 +25,9 @@ from quadshade.contract.vertex_program import (
     MEMORY_WORDS,
     REVISION,
     SCRATCH_AT,
+    check_formats,
     program,
+    takes_formats,
 )
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
@@ -192,6 +194,30 @@ def test_what_cannot_go_as_vertices_goes_as_packed_words(seed: int) -> None:
     assert len(pack_vertices(nothing, random_triangles(formats, 0, 1), formats).words) == 0
     with pytest.raises(QuadshadeError, match="with_shade is 1"):
         VertexUnpacker(Formats(num_channels=2, with_shade=1))
+
+
+@pytest.mark.parametrize(
+    ("fits", "beyond", "said"),
+    [
+        ({}, {"stream_width": 64}, "stream_width is 64"),
+        ({}, {"num_channels": 2, "with_shade": 1}, "with_shade is 1"),
+        ({"num_channels": 4}, {"num_channels": 5}, "num_channels is 5"),
+        ({"max_order": 1}, {"max_order": 0}, "max_order is 0"),
+        ({"subpixel_bits": 5}, {"subpixel_bits": 4}, "subpixel_bits is 4"),
+        ({"coord_bits": 8, "subpixel_bits": 12}, {"coord_bits": 9, "subpixel_bits": 12}, "is 21"),
+        ({"word_width": 32}, {"word_width": 33, "frac_bits": 23}, "word_width is 33"),
+        ({"word_width": 32, "frac_bits": 18}, {"word_width": 32, "frac_bits": 17}, "frac_bits is 15"),
+        ({"depth_bits": 16}, {"depth_bits": 17}, "depth_bits * with_depth is 17"),
+        ({"depth_bits": 17, "with_depth": 0}, {"depth_bits": 17}, "depth_bits * with_depth is 17"),
+    ],
+)
+def test_formats_of_a_board_that_takes_vertices(fits: dict, beyond: dict, said: str) -> None:
+    """Each limit from both sides."""
+    check_formats(Formats(**fits))
+    assert takes_formats(Formats(**fits)) and not takes_formats(Formats(**beyond))
+    with pytest.raises(QuadshadeError) as error:
+        check_formats(Formats(**beyond))
+    assert said in str(error.value)
 
 
 def test_every_packet_ends_whatever_its_bits(seed: int) -> None:

@@ -251,6 +251,15 @@ class _Compiler(Listener):
         return (self.begin if self.depth else time.process_time()) - self.seconds
 
 
+def _in_numba(frame: FrameType | None) -> bool:
+    """Whether numba works: it registers what it can compile only once, and would miss that ever after."""
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith(("numba.", "importlib.")):
+            return True
+        frame = frame.f_back
+    return False
+
+
 @contextlib.contextmanager
 def _interrupted_after(seconds: float, compiler: _Compiler) -> Iterator[threading.Event]:
     """A test that takes more processor time fails, and this says so: its end is not waited for."""
@@ -259,7 +268,7 @@ def _interrupted_after(seconds: float, compiler: _Compiler) -> Iterator[threadin
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal end
-        if not compiler.depth and compiler.seconds_beside() > end:
+        if not compiler.depth and not _in_numba(frame) and compiler.seconds_beside() > end:
             interrupted.set()
             # Not again while pytest reports it, only where the test went on all the same.
             end += 2.0
