@@ -7,11 +7,13 @@ GHDL_BACKEND ?= llvm
 SEED ?= 1
 TESTS ?=
 JOBS ?= 2
+# Samples of mutants may be several: tests have the first one's seed.
+TEST_SEED := $(firstword $(SEED))
 export PYTHON GHDL GHDL_BACKEND
-export QUADSHADE_SEED := $(SEED)
+export QUADSHADE_SEED := $(TEST_SEED)
 
 VENV := .venv/bin/python
-PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(SEED)
+PYTEST := $(VENV) -m pytest -n $(JOBS) --dist worksteal --hypothesis-seed=$(TEST_SEED)
 
 # Each unit with its default generics, and the whole core with one linear channel and depth. A screen that is
 # large enough for a monitor takes too long; in cells of ECP5 also the core with the shade unit and the board.
