@@ -20,12 +20,18 @@ from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.contract.vertex_program import (
+    DIRECT,
     IMMEDIATE,
+    INDEXED,
     JUMPS,
     MEMORY_WORDS,
+    OPERATIONS,
     REVISION,
     SCRATCH_AT,
+    Instruction,
+    _waits,
     check_formats,
+    instruction_clocks,
     program,
     takes_formats,
 )
@@ -279,6 +285,40 @@ def test_the_program_ends_each_packet() -> None:
     assert 1 <= depth(start) <= 3
     assert all(0 <= int(row.operand) < len(code) for row in code if row.operation in JUMPS)
     assert len(code) <= 1024 and max(program().places.values()) < MEMORY_WORDS
+
+
+@pytest.mark.parametrize(
+    ("row", "behind", "waits"),
+    [
+        # What is read must have been written, and an indexed word may be any.
+        ("st", ("ld", DIRECT, "9"), 1),
+        ("st", ("ld", DIRECT, "8"), 0),
+        ("st", ("ld", INDEXED, "9"), 1),
+        ("st", ("ld", IMMEDIATE, "9"), 0),
+        ("st", ("st", DIRECT, "9"), 0),
+        ("stq", ("stq", INDEXED, "9"), 0),
+        ("stq", ("muli", DIRECT, "9"), 1),
+        ("ldp", ("ld", INDEXED, "0"), 1),
+        ("ldx", ("st", INDEXED, "0"), 1),
+        ("loop", ("ld", INDEXED, "0"), 1),
+        ("ldp", ("ld", DIRECT, "0"), 0),
+        ("add", ("jz", IMMEDIATE, "3"), 1),
+        ("sub", ("st", DIRECT, "9"), 1),
+        ("sub", ("ldq", DIRECT, "9"), 0),
+        ("fold", ("jz", IMMEDIATE, "3"), 0),
+    ],
+)
+def test_what_waits_for_the_instruction_before(row: str, behind: tuple[str, int, str], waits: int) -> None:
+    assert _waits(Instruction(row, DIRECT, "9", "0", 0), Instruction(*behind, "0", 0)) == waits
+
+
+def test_clocks_of_an_instruction() -> None:
+    """That of its operand, and a step each: two bits of a factor, one of a quotient."""
+    clocks = {"mulf": 19, "div": 37, "fold": 2, "put": 2, "align": 2}
+    for operation in OPERATIONS:
+        for waits in (0, 1):
+            wanted = waits + clocks.get(operation, 2 if operation in ("raw", "word") else 1)
+            assert instruction_clocks(operation, 36, waits) == wanted, operation
 
 
 def test_a_revision_means_the_same_words() -> None:
