@@ -69,10 +69,12 @@ class Recorder(MemoryTransport):
     def __init__(self, board: BoardModel) -> None:
         super().__init__(board.feed)
         self.sizes: list[int] = []
+        self.asked: list[Opcode] = []
         self.lost = 0
 
     def write(self, data: bytes) -> None:
         for frame in FrameParser().feed(data):
+            self.asked.append(frame.opcode)
             if frame.opcode is Opcode.TRIANGLES:
                 self.sizes.append(len(frame.payload) // 4)
         if self.lost:
@@ -108,6 +110,9 @@ def test_a_board_that_was_reset_is_noticed_where_numbers_agree() -> None:
     for _ in range(SEQUENCES):
         session.clear()
     session.flush()
+    line.asked.clear()
+    session.check()
+    assert line.asked == [Opcode.STATUS]
     board.feed(Frame(Opcode.RESET, 0, bytes(4)).encode())
     line.lost = 1
     session.clear(0x112233)
@@ -133,6 +138,17 @@ def test_a_board_that_counts_in_few_bits_keeps_its_session(bits: int) -> None:
     board.feed(Frame(Opcode.RESET, 0, bytes(4)).encode())
     with pytest.raises(BoardResetError, match="lost the session"):
         session.check()
+
+
+def test_state_arrives_in_as_few_frames_as_hold_it() -> None:
+    board = BoardModel(WIDTH, HEIGHT, Formats(with_shade=1, num_channels=2))
+    session = session_with(board)
+    session.connect()
+    before = dict(board.drawing.registers)
+    # 253 words a frame, beside the address.
+    session.state(5, np.arange(3 * 253, dtype=np.uint32) + 7)
+    assert session.check()["frames"] == 3
+    assert board.drawing.registers == before | {5 + index: 7 + index for index in range(3 * 253)}
 
 
 def test_a_scene_arrives(words: np.ndarray) -> None:

@@ -8,7 +8,7 @@ import secrets
 import pytest
 import serial
 
-from quadshade.contract.protocol import LineGoneError
+from quadshade.contract.protocol import LineGoneError, LinkError
 from quadshade.golden.board import BoardModel
 from quadshade.link.exchange import RECONNECTS
 from quadshade.link.faults import MAX_RUN, FaultInjector
@@ -181,3 +181,43 @@ def test_a_line_that_vanishes_is_opened_some_times_again(times: int) -> None:
         assert len(opened) == times
         assert session.statistics["reconnects"] == 1
     Gone.left = 0
+
+
+class RatedLine(MemoryTransport):
+    """Notes rates and breaks; at more than ``most`` baud nothing arrives."""
+
+    def __init__(self, board: BoardModel, most: int) -> None:
+        super().__init__(board.feed)
+        self.most, self.rates, self.breaks = most, list[int](), 0
+
+    def write(self, data: bytes) -> None:
+        if not self.rates or self.rates[-1] <= self.most:
+            super().write(data)
+
+    def set_baud(self, baud: int) -> None:
+        self.rates.append(baud)
+
+    def send_break(self) -> None:
+        self.breaks += 1
+
+
+def test_a_rate_that_is_not_heard_is_taken_back() -> None:
+    line = RatedLine(BoardModel(8, 8), most=1_500_000)
+    session = Session(line, answer_seconds=0.001, retries=1)
+    session.connect()
+    session.set_baud(115200)
+    assert (line.rates, line.breaks) == ([115200], 0)
+    with pytest.raises(LinkError, match="does not answer at 2000000 baud"):
+        session.set_baud(2_000_000)
+    # The board's rate after a break, in whole steps of its clock's phase.
+    assert (line.rates, line.breaks) == ([115200, 2_000_000, 999_999], 1)
+
+
+def test_a_line_of_one_rate_keeps_it() -> None:
+    line = RatedLine(BoardModel(8, 8), most=1_500_000)
+    line.fixed_rate = True
+    session = Session(line)
+    session.connect()
+    with pytest.raises(LinkError, match="the baud rate of memory cannot be changed"):
+        session.set_baud(115200)
+    assert not line.rates
