@@ -31,6 +31,13 @@ CASES: dict[str, dict[str, Any]] = {
     "lights": {"max_error": 4.0, "shading": "quadratic-lights"},
     "budget": {"budget": 2500, "shading": "auto"},
     "clocks": {"budget": 700, "unit": "clocks", "shading": "quadratic"},
+    # A few triangles, so quick that every change of a loop can be tried on them.
+    "few_fitted": {"few": 4, "max_error": 6.0, "shading": "quadratic", "fit": "auto"},
+    "few_fitted_cosines": {"few": 3, "max_error": 4.0, "shading": "quadratic-specular", "fit": "auto"},
+    "few_fitted_budget": {"few": 3, "budget": 1500, "shading": "quadratic-specular", "fit": "minimax"},
+    "few_cosines": {"few": 3, "max_error": 1.2, "shading": "quadratic-specular"},
+    "few_lights": {"few": 3, "max_error": 1.5, "shading": "quadratic-lights"},
+    "few_rms": {"few": 4, "max_error": 2.0, "measure": "rms", "shading": "quadratic"},
     "subdivided": {},
     "centres": {},
 }
@@ -93,7 +100,13 @@ def computed(name: str) -> dict[str, Any]:
         return subdivided()
     if name == "centres":
         return centres()
-    return sums(adapt(looked_at(), LIGHTS, Material(exponent=50), **CASES[name]))
+    settings = dict(CASES[name])
+    few = settings.pop("few", 0)
+    if not few:
+        return sums(adapt(looked_at(), LIGHTS, Material(exponent=50), **settings))
+    whole = looked_at("icosphere:0", 12, 10).ordered(np.arange(few))
+    adapted = adapt(whole, LIGHTS, Material(exponent=50), **settings)
+    return sums(adapted) | {"mix": adapted.mix()}
 
 
 @pytest.mark.parametrize("name", CASES)
