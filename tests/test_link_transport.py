@@ -221,3 +221,29 @@ def test_a_line_of_one_rate_keeps_it() -> None:
     with pytest.raises(LinkError, match="the baud rate of memory cannot be changed"):
         session.set_baud(115200)
     assert not line.rates
+
+
+def test_statistics_count_what_passed_the_line() -> None:
+    """And an ACK that comes before the answer that is waited for is not lost."""
+    line = MemoryTransport(BoardModel(8, 8).feed)
+    passed = {"sent": 0, "bytes_sent": 0, "bytes_received": 0}
+    write, read = line.write, line.read
+
+    def counted_write(data: bytes) -> None:
+        passed["sent"] += 1
+        passed["bytes_sent"] += len(data)
+        write(data)
+
+    def counted_read(seconds: float) -> bytes:
+        data = read(seconds)
+        passed["bytes_received"] += len(data)
+        return data
+
+    line.write, line.read = counted_write, counted_read
+    session = Session(line, answer_seconds=0.01)
+    session.connect()
+    session.clear()
+    assert session.status()["frames"] == 1
+    session.flush()
+    # Three that begin a session, CLEAR and STATUS, and an answer each.
+    assert session.statistics == passed | {"received": 5} and passed["sent"] == 5
