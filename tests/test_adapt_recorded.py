@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quadshade.adapt import Adapted, adapt, stream_bytes
+from quadshade.adapt import Adapted, ColourShader, CosineShader, LightShader, adapt, stream_bytes
 from quadshade.adapt.centre_test import centre_subdivision
 from quadshade.adapt.cho import highlight_subdivision, regular_subdivision
 from quadshade.adapt.highlight import highlight_centres
+from quadshade.contract.formats import Formats
 from quadshade.scene import Projected, load_scene, parse_camera, project
-from quadshade.shading import AmbientLight, DirectionalLight, Material, PointLight
+from quadshade.shading import AmbientLight, DirectionalLight, Material, PointLight, specular_formats
 from tests.support.recorded import assert_recorded
 
 LIGHTS = [
@@ -38,6 +39,10 @@ CASES: dict[str, dict[str, Any]] = {
     "few_cosines": {"few": 3, "max_error": 1.2, "shading": "quadratic-specular"},
     "few_lights": {"few": 3, "max_error": 1.5, "shading": "quadratic-lights"},
     "few_rms": {"few": 4, "max_error": 2.0, "measure": "rms", "shading": "quadratic"},
+    "few_auto": {"few": 3, "max_error": 4.0, "shading": "auto"},
+    "few_auto_loose": {"few": 3, "max_error": 9.0, "shading": "auto"},
+    "few_auto_budget": {"few": 3, "budget": 1500, "shading": "auto", "unit": "line"},
+    "assessed": {},
     "subdivided": {},
     "centres": {},
 }
@@ -84,6 +89,44 @@ def subdivided() -> dict[str, Any]:
     return found
 
 
+def short(values: np.ndarray) -> list[float]:
+    """Sums to six digits, and to a billionth: samples are solved for."""
+    rows = np.asarray(values, dtype=float).reshape(len(values), -1).sum(axis=1)
+    return [round(float(f"{value:.6g}"), 9) for value in rows]
+
+
+def assessed() -> dict[str, Any]:
+    """What shaders find out of a few triangles, of coarse words as well, and of their halves."""
+    whole, material = looked_at("icosphere:0", 12, 10).ordered(np.arange(4)), Material(exponent=50)
+    cosines = specular_formats({}, whole, LIGHTS, material)
+    shaders = {
+        f"{kind.__name__} {measure} {core and core.frac_bits}": kind(LIGHTS, material, core, whole, measure)
+        for measure in ("max", "rms")
+        for kind, core in (
+            (ColourShader, None),
+            (CosineShader, cosines),
+            (LightShader, cosines),
+            (ColourShader, Formats(frac_bits=4)),
+        )
+    }
+    found = {}
+    for name, shader in shaders.items():
+        surface = shader.surface(whole)
+        one = surface.assessed
+        found[name] = {
+            "pixels": one.pixels.tolist(),
+            "bound": short(one.bound),
+            "packets": one.packets.tolist(),
+            "errors": short(one.errors),
+            "options": int(one.options.sum()),
+            "words": short(one.words) if one.words.size else [],
+            "level": shader.level_highlights(one).tolist(),
+            "halves": short(shader.halves(whole, one.options)),
+            "table": [shader.table(2.0).number, shader.table(2.0).first, *short(shader.table(2.0).gain)],
+        }
+    return found
+
+
 def centres() -> dict[str, Any]:
     """Where the highlights of a sphere are."""
     whole = looked_at(width=60, height=50)
@@ -100,6 +143,8 @@ def computed(name: str) -> dict[str, Any]:
         return subdivided()
     if name == "centres":
         return centres()
+    if name == "assessed":
+        return assessed()
     settings = dict(CASES[name])
     few = settings.pop("few", 0)
     if not few:

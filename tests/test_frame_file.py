@@ -27,6 +27,7 @@ from quadshade.packing.frame_dump import packet_lines, summary_lines
 from quadshade.packing.frame_file import (
     GENERICS,
     MAGIC,
+    MAX_BLOCK,
     FrameFile,
     block,
     decode_frame_file,
@@ -175,6 +176,28 @@ def test_sound_blocks_raise_no_other_error(
     assert state == [data for kind, data in between if kind == b"STAT"]
     if all(len(values) for _, values in frame.state):
         assert_same(decode_frame_file(encode_frame_file(frame)), frame)
+
+
+def test_state_of_several_blocks_goes_on_where_it_was(frame: FrameFile) -> None:
+    state = ((5, np.arange(MAX_BLOCK // 2, dtype=np.uint32)),)
+    again = decode_frame_file(encode_frame_file(replace(frame, state=state)))
+    registers = {
+        address + index: value
+        for address, values in again.state
+        for index, value in enumerate(values.tolist())
+    }
+    assert registers == {5 + index: index for index in range(MAX_BLOCK // 2)}
+
+
+def test_words_are_as_many_as_the_last_block_says() -> None:
+    for words in (0, 1, 3):
+        blocks = [
+            block(b"HEAD", SOUND_HEAD),
+            block(b"TRIS", bytes(8)),
+            block(b"DONE", struct.pack("<3I", words, 8, 9)),
+        ]
+        with pytest.raises(QuadshadeError, match=f"2 words, and not the {words} that"):
+            decode_frame_file(MAGIC + b"".join(blocks))
 
 
 @given(st.lists(st.integers(0, 0xFFFFFFFF), max_size=60), st.integers(1, 4096), st.integers(1, 4096))

@@ -21,7 +21,7 @@ from quadshade.link.frames import Frame, FrameParser
 from quadshade.link.session import Session
 from quadshade.link.transport import MemoryTransport
 from quadshade.packing import read_frame_file
-from quadshade.packing.line import frame_bytes
+from quadshade.packing.line import frame_bytes, frames_bytes
 
 DRAWING = (Opcode.CLEAR, Opcode.STATE, Opcode.TRIANGLES)
 SIZE = (96, 96)
@@ -118,6 +118,14 @@ def test_a_frame_is_never_longer_than_counted(payload: int) -> None:
     full = bytes(byte or 1 for byte in body)
     assert len(cobs.encode(full)) + 2 == frame_bytes(payload)
     assert frame_bytes(payload) - 4 - len(full) // 254 <= len(worst.encode()) <= frame_bytes(payload)
+
+
+@pytest.mark.parametrize("first", [0, 4])
+def test_words_fill_frames_before_another_begins(first: int) -> None:
+    most = (MAX_PAYLOAD - first) // 4
+    for words in (0, 1, most - 1, most, most + 1, 3 * most, 3 * most + 2):
+        frames = [min(most, words - at) for at in range(0, words, most)]
+        assert frames_bytes(words, first) == sum(frame_bytes(first + 4 * size) for size in frames)
 
 
 def test_a_budget_that_pays_for_nothing_is_refused() -> None:

@@ -223,7 +223,8 @@ def test_gains_are_those_of_the_power() -> None:
 def test_nothing_and_nonsense() -> None:
     formats = Formats()
     nothing = setup_triangles(random_triangles(formats, 0, 1), formats)
-    assert len(pack_primitives(nothing, formats).words) == 0
+    empty = pack_primitives(nothing, formats)
+    assert len(empty.words) == 0 and empty.added == 0.0
     assert len(unpack(np.zeros(5, np.uint32), formats)) == 0
     with pytest.raises(QuadshadeError, match="error of packing"):
         pack_primitives(nothing, formats, float("nan"))

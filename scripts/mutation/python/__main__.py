@@ -68,7 +68,17 @@ COSINES += ("nothing_seen_is_drawn_with_nothing", "triangles_without_a_pixel_cos
 """Quick tests of adapt."""
 
 GROUPS = {
-    "packing": Group(("frame_file", "link_packing", "setup_recorded", "vertices")),
+    "packing": Group(
+        (
+            "frame_file",
+            "link_packing",
+            "setup_recorded",
+            "setup_packet",
+            "vertices",
+            "line_budget::test_a_frame_is_never_longer_than_counted",
+            "line_budget::test_words_fill_frames_before_another_begins",
+        ),
+    ),
     "contract": Group(
         (
             "setup_packet",
@@ -79,6 +89,7 @@ GROUPS = {
             "golden_shade",
             "link_packing",
             "vertices",
+            "vertex_program",
             "lint::test_generated_package_is_current",
             "habits::test_version_is_a_release_with_its_definition",
         ),
