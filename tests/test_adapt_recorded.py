@@ -106,7 +106,7 @@ def assessed() -> dict[str, Any]:
             (ColourShader, None),
             (CosineShader, cosines),
             (LightShader, cosines),
-            (ColourShader, Formats(frac_bits=4)),
+            (ColourShader, Formats(frac_bits=1)),
         )
     }
     found = {}
