@@ -109,6 +109,8 @@ def assessed() -> dict[str, Any]:
             (ColourShader, Formats(frac_bits=1)),
         )
     }
+    # An exponent between whole ones.
+    shaders["between"] = CosineShader(LIGHTS, Material(exponent=5.5), cosines, whole)
     found = {}
     for name, shader in shaders.items():
         surface = shader.surface(whole)

@@ -140,6 +140,7 @@ GROUPS = {
             "adapt_recorded",
             "adapt_highlight",
             "adapt_steps",
+            "adapt_rules",
             # The other tests of these files take more, each, than a mutant is given.
             "adapt_curve::test_limits_are_round_numbers_a_few_per_cent_apart",
             *(f"adapt_choice::test_{name}" for name in CHOICE),
