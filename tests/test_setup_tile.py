@@ -14,11 +14,13 @@ from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.core.raster_core import draw_scalar
 from quadshade.golden.screen.screen import Screen
+from quadshade.setup.coverage import mesh_rows, pixels_of
+from quadshade.setup.edges import cut_triangles
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.refit import picture_formats, refit, why_unfit
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.tile import Cuttable, Rectangle
-from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.setup.triangle_setup import has_constant_depth, setup_triangles
 from tests.support.golden_stimuli import triangles_of
 
 ICEBREAKER = Formats(
@@ -187,6 +189,53 @@ def test_boards_of_other_formats_show_the_same(boards: tuple[Formats, ...]) -> N
             assert np.array_equal(got[..., : wanted.shape[2]], wanted)
             if formats.num_channels == 1 and board.num_channels > 1:
                 assert (got[..., :3] == wanted).all()
+
+
+def few(formats: Formats, count: int = 14, size: int = 24) -> Primitives:
+    """Some triangles of a small picture."""
+    triangles = triangles_of(formats, np.random.default_rng(3), count, size)
+    return setup_triangles(triangles, formats, limit=0.5)
+
+
+@pytest.mark.parametrize(
+    "board", (ICEBREAKER, Formats(with_depth=0), Formats(num_channels=4)), ids=("grey", "flat", "four")
+)
+def test_few_triangles_of_a_grey_picture_on_another_board(board: Formats) -> None:
+    picture = picture_formats([ICEBREAKER, board], 24, 24)
+    primitives = few(picture)
+    part = refit(primitives, picture, board)
+    turned = board.with_depth and not picture.with_depth
+    rows = pixel_rows(part, board)
+    colours = 3 if board.num_channels >= 3 else 1
+    assert np.array_equal(rows[:, :4], pixel_rows(primitives, picture)) and len(rows) > 100
+    assert (rows[:, 3 : 3 + colours] == rows[:, 3:4]).all() and not rows[:, 3 + colours :].any()
+    assert np.array_equal(part.triangle[::-1] if turned else part.triangle, primitives.triangle)
+
+
+@pytest.mark.parametrize("name", ("colours", "icebreaker"))
+def test_scanlines_of_few_triangles_by_two_cores(name: str) -> None:
+    primitives = few(FORMATS[name])
+    parts = []
+    for core in range(2):
+        rows = pixel_rows(Cuttable(primitives, FORMATS[name]).interleaved(2, core, 24, 24), FORMATS[name])
+        rows[:, 1] = 2 * rows[:, 1] + core
+        parts.append(rows)
+    assert np.array_equal(in_order(np.concatenate(parts)), pixel_rows(primitives, FORMATS[name]))
+
+
+def test_pixels_of_triangles_are_those_that_are_drawn() -> None:
+    formats = FORMATS["colours"]
+    triangles = triangles_of(formats, np.random.default_rng(3), 14, 24)
+    cut = cut_triangles(triangles.vertices, triangles.width, triangles.height, formats.subpixel_bits)
+    triangle, x, y = pixels_of(mesh_rows(cut, len(triangles)))
+    drawn = pixel_rows(setup_triangles(triangles, formats), formats)
+    assert np.array_equal(in_order(np.column_stack([triangle, y, x])), drawn[:, :3])
+
+
+def test_constant_depth_saves_words_where_it_is_alone_in_its_words() -> None:
+    depth = np.array([[5.0, 5.0, 5.0], [5.0, 5.0, 6.0]])
+    assert has_constant_depth(depth, Formats()).tolist() == [True, False]
+    assert has_constant_depth(depth, Formats(stream_width=128)).tolist() == [False, False]
 
 
 @pytest.mark.parametrize(
