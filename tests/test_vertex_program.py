@@ -116,6 +116,12 @@ def test_the_program_ends_each_packet() -> None:
         ("add", ("jz", IMMEDIATE, "3"), 1),
         ("sub", ("st", DIRECT, "9"), 1),
         ("sub", ("ldq", DIRECT, "9"), 0),
+        ("ld", ("jn", IMMEDIATE, "3"), 1),
+        ("ld", ("st", DIRECT, "8"), 0),
+        ("ld", ("add", DIRECT, "8"), 0),
+        ("ldq", ("stq", DIRECT, "8"), 1),
+        ("ldq", ("ldr", IMMEDIATE, "0"), 1),
+        ("ldq", ("muli", DIRECT, "8"), 0),
         ("fold", ("jz", IMMEDIATE, "3"), 0),
     ],
 )
