@@ -90,7 +90,7 @@ def subdivided() -> dict[str, Any]:
 
 
 def short(values: np.ndarray) -> list[float]:
-    """Sums to five digits, and to a millionth: samples are solved for, and what is lost is of their last bits."""
+    """Sums to five digits, and to a millionth: samples are solved for, and bounds are of their last bits."""
     rows = np.asarray(values, dtype=float).reshape(len(values), -1).sum(axis=1)
     return [round(float(f"{value:.5g}"), 6) for value in rows]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The program that decodes packets with vertices: what it may be built with, how long it takes, that it ends."""
+"""The program that decodes packets with vertices: formats that it takes, its clocks, that it ends."""
 
 from __future__ import annotations
 
