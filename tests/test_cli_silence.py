@@ -105,7 +105,7 @@ def test_a_simulated_screen_is_one_that_a_board_has(tmp_path: Path, monkeypatch:
 def test_a_size_that_no_board_has_is_estimated(engine: str, estimate: str) -> None:
     settings = BoardSettings(screen_width=1920, screen_height=1080)
     assert large_screen_notice(settings, engine) == (
-        "no board has 1920x1080 pixels, the largest screen is 640x480 (ulx3s-12f-sdram); reading the picture"
+        "no board has 1920x1080 pixels, the largest screen is 640x480 (icepi-zero-sdram); reading the picture"
         f" takes 62 s of a line at 1000000 baud{estimate}; give --screen 640x480: larger pictures are drawn"
         " on it in tiles"
     )

@@ -45,13 +45,11 @@ module top (
     .sdram_data_in(sdram_word)
   );
 
-  BB data_pins [15:0] (.B(sdram_d), .I(sdram_data), .T(!sdram_drive), .O(sdram_word));
-  assign sdram_dqm = {2{sdram_mask}};
-  assign sdram_cke = 1'b1;
-  assign sdram_cs_n = 1'b0;
-
-  // Out of a cell of the pins, so that no way through the fabric is in it.
-  ODDRX1F sdram_clk_inst (.SCLK(clk_sdram), .RST(1'b0), .D0(1'b1), .D1(1'b0), .Q(sdram_clk));
+  sdram_pins sdram_pins_inst (
+    .clk_sdram(clk_sdram), .mask(sdram_mask), .drive(sdram_drive), .data(sdram_data), .word(sdram_word),
+    .sdram_clk(sdram_clk), .sdram_cke(sdram_cke), .sdram_cs_n(sdram_cs_n), .sdram_dqm(sdram_dqm),
+    .sdram_d(sdram_d)
+  );
 
   gpdi gpdi_inst (
     .clk(clk), .reset(reset), .word_next(video_next), .words(video_words), .clk_shift(clk_shift),
