@@ -10,19 +10,25 @@ import pytest
 from click.testing import CliRunner
 
 import quadshade
+from cocotb_tests.support.link_stimuli import body_of
 from quadshade.board import Board
 from quadshade.board.engines import start_engine
 from quadshade.board.settings import board_settings
 from quadshade.cli.main import main
 from quadshade.contract.identity import colour_bits as colour_bits_of
 from quadshade.contract.identity import plane_bytes
-from quadshade.contract.protocol import LinkError
+from quadshade.contract.protocol import LinkError, Opcode
 from quadshade.errors import QuadshadeError
 from quadshade.golden.board import BoardModel
 from quadshade.golden.screen.framebuffer import HALF_STEP, kept_colours, thresholds
 from quadshade.image import read_picture
+from quadshade.link.frames import enclosed
 from quadshade.link.session import Session
 from quadshade.link.transport import MemoryTransport
+from quadshade.packing.pack import pack_primitives
+from quadshade.scene import fit_camera, load_scene, project
+from quadshade.setup.triangle_setup import setup_triangles
+from quadshade.shading.sample import sample
 
 SIZE = (48, 32)
 GENERICS = {"buffers": 2, "colour_bits": 4}
@@ -161,6 +167,48 @@ def test_a_picture_is_read_before_it_is_shown() -> None:
         board.clear((0, 255, 0))
         assert (board.read() == (0, 255, 0)).all()
         assert (board.simulated.engine.board.drawing.shown == (255, 0, 0)).all()
+
+
+@pytest.mark.parametrize("name", ["ulx3s-12f-double", "icepi-zero-sdram"])
+def test_what_is_shown_stays_whole_whatever_the_line_does(name: str, seed: int) -> None:
+    """A cable that is pulled amid a picture, SWAP out of its order and amid a packet, noise: all are refused."""
+    settings = board_settings(name, None, {})
+    board = BoardModel(
+        settings.screen_width,
+        settings.screen_height,
+        settings.formats,
+        buffers=2,
+        colour_bits=settings.colour_bits,
+    )
+    rng = np.random.default_rng(seed)
+    mesh, formats = load_scene("cube:2"), settings.formats
+    triangles = sample(project(mesh, fit_camera(mesh), *SIZE, formats), "quadratic", formats=formats)
+    words = pack_primitives(setup_triangles(triangles, formats), formats).words
+    session = Session(MemoryTransport(board.feed))
+    session.connect()
+    session.clear(0xFF00)
+    session.swap()
+    session.flush()
+    shown = board.drawing.shown.copy()
+    assert (shown == (0, 255, 0)).all()
+    session.clear(0xFF)
+    session.triangles(words[: len(words) // 2])
+    session.flush()
+    number = board.receiver.expected
+    swap = enclosed(body_of(Opcode.SWAP, number + 3, b""))
+    rest = enclosed(body_of(Opcode.TRIANGLES, number, words[len(words) // 2 :].astype("<u4").tobytes()[:400]))
+    for sent in (rest[: len(rest) // 2], swap, rng.bytes(300), bytes(1), swap):
+        board.feed(sent)
+        assert np.array_equal(board.drawing.shown, shown)
+    # The host is there again, and its picture is the next one that is shown.
+    session = Session(MemoryTransport(board.feed))
+    session.connect()
+    assert np.array_equal(board.drawing.shown, shown)
+    session.clear(0xFF0000)
+    session.flush()
+    assert np.array_equal(board.drawing.shown, shown)
+    session.swap()
+    assert (board.drawing.shown == (0, 0, 255)).all()
 
 
 def test_a_board_with_one_buffer_shows_what_it_draws() -> None:
