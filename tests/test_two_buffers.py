@@ -171,7 +171,7 @@ def test_a_picture_is_read_before_it_is_shown() -> None:
 
 @pytest.mark.parametrize("name", ["ulx3s-12f-double", "icepi-zero-sdram"])
 def test_what_is_shown_stays_whole_whatever_the_line_does(name: str, seed: int) -> None:
-    """A cable that is pulled amid a picture, SWAP out of its order and amid a packet, noise: all are refused."""
+    """A cable pulled amid a picture, SWAP out of its order and amid a packet, noise: all are refused."""
     settings = board_settings(name, None, {})
     board = BoardModel(
         settings.screen_width,
