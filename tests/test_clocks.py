@@ -89,8 +89,9 @@ def test_crossings_of_a_board_are_those_of_the_table(name: str) -> None:
     found = crossings_of_board(read_board(name, ROOT), ROOT)
     faults, used = compare(found, table)
     assert not faults
-    # The larger one has every row of the table; the report shows them all.
-    assert used == (set(range(len(table))) if name == "ulx3s-12f-sdram" else {0, 1})
+    # The larger one has every row of the table but that of Tang Nano 20K's SDRAM; the report shows them all.
+    rows = {at for at, row in enumerate(table) if row["source"] != "IO_sdram_dq"}
+    assert used == (rows if name == "ulx3s-12f-sdram" else {0, 1})
     assert all(f"`{crossing.sink}`" in page({name: found}, table) for crossing in found)
 
 
