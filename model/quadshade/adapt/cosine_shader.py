@@ -84,6 +84,7 @@ class CosineShader(Shader):
         self.diffuse, self.specular = (self.full * colour for colour in colours)
         self.table_error = TABLE_ERROR * self.specular.max(axis=1).sum() / self.full
         self._tables: dict[int, Table] = {}
+        self._octaves: dict[float, int] = {}
         self.ambient = self.full * ambient_colour(self.lights, self.material)
         self.exponent = self.material.exponent if self.power else 1.0
         norm = np.max if measure == "max" else np.linalg.norm
@@ -117,25 +118,37 @@ class CosineShader(Shader):
         Below 1 - 2**-k a power table has k octaves. Between its places it is a chord of the power, off by an
         eighth of the second derivative times the square of their distance at most.
         """
-        enough = max(ROUGH * (max_error - OUTPUT_ROUNDING), LEAST_ROUGH)
-        curved = self.exponent * (self.exponent - 1)
-        octaves, reach, rough = FEWEST_OCTAVES, 1.0, 0.0
-        while self.power and octaves < MOST_OCTAVES:
-            reach = 1 - 0.5**octaves
-            step = 0.5**octaves / (1 << POWER_MANTISSA_BITS) / reach
-            rough = float(curved / 8 * step**2 * self.specular.sum(axis=0).max())
-            if rough <= enough:
-                break
-            octaves, reach, rough = octaves + 1, 1.0, 0.0
+        if max_error not in self._octaves:
+            enough = max(ROUGH * (max_error - OUTPUT_ROUNDING), LEAST_ROUGH)
+            octaves = FEWEST_OCTAVES
+            while self.power and octaves < MOST_OCTAVES and self._of_octaves(octaves).error > enough:
+                octaves += 1
+            self._octaves[max_error] = octaves
+        return self._of_octaves(self._octaves[max_error])
+
+    def _of_octaves(self, octaves: int) -> Table:
+        """The table with so many; with the most, channels reach up to 1."""
         if octaves not in self._tables:
+            reach, rough, first = 1.0, 0.0, 0
+            if self.power and octaves < MOST_OCTAVES:
+                reach = 1 - 0.5**octaves
+                step = 0.5**octaves / (1 << POWER_MANTISSA_BITS) / reach
+                curved = self.exponent * (self.exponent - 1)
+                rough = float(curved / 8 * step**2 * self.specular.sum(axis=0).max())
             state = specular_state(
                 self.formats, self.lights, self.material, self.strength, power=self.power, reach=reach
             )
-            value = int(reach * ((1 << self.formats.lane_value_bits) - 1))
-            first = first_entry(value, state, self.formats) if self.power else 0
+            if self.power:
+                value = int(reach * ((1 << self.formats.lane_value_bits) - 1))
+                first = first_entry(value, state, self.formats)
             gain = np.repeat([1.0, reach], len(self.pointed))
             self._tables[octaves] = Table(octaves, state, gain, rough, first)
         return self._tables[octaves]
+
+    def coarser(self, table: Table) -> Table | None:
+        """See :meth:`Shader.coarser`."""
+        fewer = table.number > FEWEST_OCTAVES and self.power
+        return self._of_octaves(table.number - 1) if fewer else None
 
     def fit(self, projected: Projected, centres: PixelCentres, root: np.ndarray) -> Assessed:
         """See :meth:`Shader.fit`; errors are (n, k) of (n, k, channels) options."""

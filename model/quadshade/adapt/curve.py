@@ -88,22 +88,12 @@ class Curve:
             self.steps = error_limits(planner.shader.full)
         else:
             self.steps = np.geomspace(HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS)
-        self._plans: dict[int, Plan] = {}
         self._known: dict[int, Picture] = {}
         self._others: dict[int, Picture] = {}
         self._least: dict[int, int] = {}
 
     def __len__(self) -> int:
         return len(self.steps)
-
-    def plan(self, index: int) -> Plan:
-        """The plan for a limit or a price, not drawn yet and so not mended."""
-        if index not in self._plans:
-            step = float(self.steps[index])
-            limited = self.planner.measure == "max"
-            make = self.planner.first_for_limit if limited else self.planner.for_price
-            self._plans[index] = make(step)
-        return self._plans[index]
 
     def least_bytes(self, index: int) -> int:
         """What the picture for a limit takes at least; 0 for a price."""
@@ -117,31 +107,26 @@ class Curve:
         """Bytes that :meth:`cheapest` takes at least from an index: what takes more is passed over there."""
         return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
-    def draw_around(self, index: int) -> None:
-        """Draw at once what :meth:`cheapest` compares first: the plan for a limit and some looser ones."""
-        if self.planner.measure != "max" or not self.verify or index in self._known:
-            return
-        plans = [self.plan(near) for near in range(index, max(index - MISSES, 0) - 1, -1)]
-        if not plans[0].much_divided:
-            self.planner.draw(plan for plan in plans if plan.table is plans[0].table)
+    @property
+    def _drawn(self) -> bool:
+        """Whether pictures are planned by what is drawn."""
+        return self.verify and self.planner.measure == "max"
 
     def picture(self, index: int) -> Picture:
         """The picture for a limit or a price, the loosest first."""
         if index not in self._known:
-            plan = self.plan(index)
-            if self.planner.measure == "max":
-                plan = self.planner.mended(plan, float(self.steps[index]), self.verify)
+            step, planner = float(self.steps[index]), self.planner
+            if planner.measure != "max":
+                plan = planner.for_price(step)
+            else:
+                plan = planner.for_limit(step) if self.verify else planner.estimated_for_limit(step)
             self._known[index] = Picture(plan, plan.error(self.verify))
         return self._known[index]
-
-    def _has_another(self, plan: Plan) -> bool:
-        """Whether so much is divided that the other way of planning may take less."""
-        return self.verify and self.planner.measure == "max" and plan.much_divided
 
     def pictures(self, index: int) -> list[Picture]:
         """The picture for a limit, and where much is divided another, planned the other way."""
         picture = self.picture(index)
-        if not self._has_another(picture.plan):
+        if not (self._drawn and picture.plan.much_divided):
             return [picture]
         if index not in self._others:
             plan = self.planner.other_way(float(self.steps[index]))
@@ -193,47 +178,39 @@ class Curve:
           interest, but for the first.
         """
         first = self.first_within(error)
-        self.draw_around(first)
         tried: list[Picture] = []
 
-        def add(index: int) -> bool:
-            """Draw; whether a picture keeps the error."""
+        def draw(index: int) -> bool:
+            """Whether a picture is drawn, and keeps the error."""
             nonlocal most
+            if tried and unit == "bytes" and self.least_bytes(index) > most:
+                return False
             new = self.pictures(index)
             tried.extend(new)
             costs = [picture.cost(unit) for picture in new if picture.error <= error]
             most = min([most, *costs])
             return bool(costs)
 
-        add(first)
-        enough, dear = DEARER * tried[0].cost(unit), 0
-
-        def draw(index: int) -> bool:
-            """Whether a picture is drawn, and keeps the error."""
-            if unit == "bytes" and self.least_bytes(index) > most:
-                return False
-            plan = self.plan(index)
-            if plan.least_cost(unit) > most and not self._has_another(plan):
-                return False
-            return add(index)
-
-        index, missed = first, 0
-        while index > 0 and missed < MISSES:
-            index -= 1
+        if draw(first) and self._drawn and not tried[0].plan.much_divided:
+            # Each triangle has what is cheapest for it.
+            return tried[0]
+        enough, dear, missed = DEARER * tried[0].cost(unit), 0, 0
+        for index in range(first - 1, -1, -1):
             missed = 0 if draw(index) else missed + 1
+            if missed == MISSES:
+                break
         for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
-            plan = self.plan(index)
             # Where much is divided, a stricter limit may well take less; else hardly.
-            dear = dear + 1 if plan.least_cost(unit) > (enough if plan.much_divided else most) else 0
+            draw(index)
+            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
             if dear == MISSES:
                 break
-            draw(index)
         kept = [picture for picture in tried if picture.error <= error]
         if not kept and self.planner.measure == "max":
             # Less than the strictest limit in the row.
-            plan = self.planner.for_limit(error, self.verify)
+            plan = self.planner.for_limit(error) if self.verify else self.planner.estimated_for_limit(error)
             tried.append(Picture(plan, plan.error(self.verify)))
             kept = [picture for picture in tried[-1:] if picture.error <= error]
         if not kept:

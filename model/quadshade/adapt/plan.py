@@ -25,12 +25,16 @@ LineCount = Callable[[ScreenTriangles, Formats], int]
 """Bytes on the serial line, of triangles for a core."""
 
 COLOURS = 3
-VERIFY_ROUNDS = 8
-TIGHTEN = 0.75
-OTHER_TIGHTEN, OTHER_AGREE = 0.95, 0.05
-"""Of the other way to plan, which is tried where much is divided."""
 MUCH = 1.1
 """Triangles, over those of the undivided mesh."""
+LOOSE, AGREE = 1.6, 0.1
+"""Estimates are mostly too high: orders are drawn first that are estimated to be off by so many times as much."""
+OTHER_LOOSE, OTHER_AGREE = 1.4, 0.2
+"""Of the other way to plan, which is tried where much is divided."""
+NEXT = 1 - 1e-9
+"""Of an estimate: orders that are estimated to be better."""
+ROUNDS = 12
+"""Drawings after which a limit is given up."""
 
 
 class Planner:
@@ -92,27 +96,32 @@ class Planner:
         return Plan(self, *settle(surface, self.shader, Goal(allowed, price, agree)), table)
 
     def undivided(self, max_error: float) -> Decision:
-        """Orders of the undivided mesh for a largest error, chosen once."""
+        """Orders of the undivided mesh that are drawn first for a largest error, chosen once."""
         if max_error not in self._whole_decisions:
-            goal = Goal(self.allowed(max_error))
+            goal = Goal(LOOSE * self.allowed(max_error, self.shader.table(max_error)), agree=AGREE)
             self._whole_decisions[max_error] = choose_orders(self.whole, self.shader, goal)
         return self._whole_decisions[max_error]
 
-    def allowed(self, max_error: float) -> np.ndarray:
+    def allowed(self, max_error: float, table: Table) -> np.ndarray:
         """(roots,) float64: what is allowed of every triangle of the undivided mesh, for a largest error."""
-        left = max_error - OUTPUT_ROUNDING - self.shader.table(max_error).error
-        return np.full(len(self.whole.root), left)
+        return np.full(len(self.projected), max_error - OUTPUT_ROUNDING - table.error)
 
-    def first_for_limit(self, max_error: float, agree: float = 0.0) -> Plan:
-        """The plan for a largest error as far as estimates go; ``agree`` of :class:`Goal`."""
-        decision = replace(self.undivided(max_error), agree=agree)
-        goal, table = Goal(self.allowed(max_error), agree=agree), self.shader.table(max_error)
-        return Plan(self, *settle(self.whole, self.shader, goal, decision), table)
+    def estimated_for_limit(self, max_error: float) -> Plan:
+        """The plan for a largest error as far as estimates go."""
+        table = self.shader.table(max_error)
+        return self.settled(self.allowed(max_error, table), table=table)
 
     def least_bytes(self, max_error: float) -> int:
-        """What the plan for a largest error takes at least: undivided, which is cheaper than divided."""
-        orders, table = self.undivided(max_error).orders, self.shader.table(max_error)
-        return self.bytes_of(self.whole, orders, table) or 0
+        """What the plan for a largest error takes at least: what has to be divided takes another packet."""
+        decision, shader = self.undivided(max_error), self.shader
+        packet = shader.words(np.full(len(shader.place), CONSTANT)) - shader.second_words - shader.depth_words
+        known = self.bytes_of(self.whole, decision.orders, self._coarsest(max_error))
+        return 0 if known is None else known + 4 * int(packet) * int(decision.wanting.sum())
+
+    def _coarsest(self, max_error: float) -> Table:
+        """What pictures for an error may be drawn with instead of their table."""
+        table = self.shader.table(max_error)
+        return self.shader.coarser(table) or table
 
     def least_possible(self, max_error: float) -> int:
         """
@@ -135,11 +144,11 @@ class Planner:
 
         Where highlights are level both kinds draw the same. The others are fitted, and not remembered.
         """
-        surface, table = other.whole, self.shader.table(max_error)
+        surface, table = other.whole, self._coarsest(max_error)
         rows = np.flatnonzero(~other.shader.level_highlights(surface.assessed))
         if 2 * len(rows) > len(surface.root):
             return 0
-        goal = Goal(np.full(len(surface.root), max_error - OUTPUT_ROUNDING - table.error))
+        goal = Goal(LOOSE * self.allowed(max_error, self.shader.table(max_error)))
         orders = choose_orders(surface, other.shader, goal).orders
         part = surface.projected.ordered(rows)
         mine = Surface(part, rows, self.shader.assess(part, rows), rows)
@@ -165,41 +174,53 @@ class Planner:
             return None
         return 4 * self.shader.stream_words(surface, orders) + table.bytes(first)
 
-    def for_limit(self, max_error: float, verify: bool) -> Plan:
-        """The plan for a largest error; verified, no pixel is off by more, if that can be had."""
-        return self.mended(self.first_for_limit(max_error), max_error, verify)
+    def for_limit(self, max_error: float) -> Plan:
+        """
+        The verified plan for a largest error; no pixel is off by more, if that can be had.
+
+        A coarser table takes fewer bytes, and now and then so does the picture that is drawn with it.
+        """
+        best = self._drawn_within(max_error, self.shader.table(max_error), LOOSE, AGREE)
+        while not best.much_divided and (table := self.shader.coarser(best.table)) is not None:
+            plan = self._drawn_within(max_error, table, LOOSE, AGREE)
+            if plan.bytes >= best.bytes or plan.error(verify=True) > max_error:
+                break
+            best = plan
+        return best
 
     def other_way(self, max_error: float) -> Plan:
         """
-        The verified plan for a largest error where neighbours agree on edges and limits are tightened less.
+        The same, planned another way.
 
         Planning is greedy: where much is divided it now and then takes fewer bytes.
         """
-        plan = self.first_for_limit(max_error, OTHER_AGREE)
-        return self.mended(plan, max_error, True, OTHER_TIGHTEN, OTHER_AGREE)
+        return self._drawn_within(max_error, self.shader.table(max_error), OTHER_LOOSE, OTHER_AGREE)
 
-    def mended(
-        self, plan: Plan, max_error: float, verify: bool, tighten: float = TIGHTEN, agree: float = 0.0
-    ) -> Plan:
+    def _drawn_within(self, max_error: float, table: Table, loose: float, agree: float) -> Plan:
         """
-        A plan for a largest error, drawn and planned again until it keeps it.
+        Draw the cheapest orders of each triangle that may keep a limit, then others where they do not.
 
-        Where a pixel is off by more, its triangle gets a stricter limit; where that does not help it is
-        halved.
+        What is drawn says how much an estimate is off, and so which orders may be next. A triangle is divided
+        where none is good enough.
         """
-        allowed = self.allowed(max_error)
-        for attempt in range(VERIFY_ROUNDS if verify else 0):
-            over = np.flatnonzero(plan.drawn.largest > max_error)
-            if not len(over):
+        allowed = loose * self.allowed(max_error, table)
+        decision = choose_orders(self.whole, self.shader, Goal(allowed, agree=agree))
+        plan = Plan(self, self.whole, decision, table)
+        for _ in range(ROUNDS):
+            off, root, estimate = plan.drawn.largest, plan.surface.root, plan.decision.largest
+            kept = off <= max_error
+            if kept.all():
                 break
-            allowed[np.unique(plan.surface.root[over])] *= tighten
-            surface = plan.surface
-            if attempt:
-                # No sample saw it: what is halved is sampled anew, and by its pixels where it has few.
-                wanting = np.zeros(len(surface.root), dtype=bool)
-                wanting[over] = surface.assessed.pixels[over] > 1
-                surface = divide(surface, replace(plan.decision, wanting=wanting, forced=True), self.shader)
-            plan = self.settled(allowed, 0.0, surface, agree, plan.table)
+            np.maximum.at(allowed, root[kept], estimate[kept])
+            over = np.flatnonzero(~kept)
+            share = (max_error - OUTPUT_ROUNDING) / (off[over] - OUTPUT_ROUNDING)
+            enough = np.minimum(share, NEXT) * estimate[over]
+            lower = allowed.copy()
+            np.minimum.at(lower, root[over], enough)
+            wanting = choose_orders(plan.surface, self.shader, Goal(lower)).wanting & ~kept
+            np.minimum.at(allowed, root[over], np.where(wanting[over], np.inf, enough))
+            surface = divide(plan.surface, replace(plan.decision, wanting=wanting), self.shader)
+            plan = self.settled(allowed, surface=surface, agree=agree, table=table)
         return plan
 
     def for_price(self, price: float) -> Plan:

@@ -90,7 +90,7 @@ class Refit:
         self.planner, self.shader, self.max_error = planner, planner.shader, max_error
         self._known: dict[int, tuple[Ints, Floats, bool]] = {}
         self._table = planner.shader.table(max_error)
-        self._goal = Goal(planner.allowed(max_error))
+        self._goal = Goal(planner.allowed(max_error, self._table))
 
     def cheapest(self, plan: Plan) -> Plan:
         """
@@ -115,7 +115,7 @@ class Refit:
         return best
 
     def _surface(self, looser: float) -> Surface:
-        return self.planner.first_for_limit(looser * self.max_error).surface
+        return self.planner.estimated_for_limit(looser * self.max_error).surface
 
     def _settled(self, surface: Surface, old: Choices | None) -> Plan | None:
         """Parts of which no order keeps the limit are halved until all do; None where that does not end."""

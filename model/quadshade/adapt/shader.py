@@ -192,6 +192,10 @@ class Shader:
         """The coarsest table that is good enough for an error, in output units; for 0 the finest."""
         return self._plain
 
+    def coarser(self, table: Table) -> Table | None:
+        """The next table that takes fewer bytes, if there is one."""
+        return None
+
     def surface(self, projected: Projected) -> Surface:
         """An undivided mesh, shaded and fitted."""
         root = np.arange(len(projected))
