@@ -63,7 +63,7 @@ def test_errors_of_parts_are_those_of_what_is_drawn(kind: type[Shader]) -> None:
     whole = looked_at("torus:288")
     formats = Formats() if kind is ColourShader else specular_formats({}, whole, None, SHINY)
     planner = Planner(whole, kind(None, SHINY, formats, whole))
-    plan = planner.for_limit(2.0, verify=True)
+    plan = planner.for_limit(2.0)
     assert len(plan.surface.root) > len(whole) or kind is CosineShader
     assert plan.bytes == planner.bytes_of(plan.surface, plan.decision.orders, plan.table, plan.first)
     assert plan.bytes == stream_bytes(plan.triangles, formats)
@@ -121,7 +121,7 @@ def test_pairs_keep_their_numbers() -> None:
 def test_bytes_are_those_of_the_stream_where_the_set_up_divides() -> None:
     formats, whole = Formats(frac_bits=7), looked_at("torus:288", 512)
     planner = Planner(whole, ColourShader(None, SHINY, formats, whole))
-    plan = planner.first_for_limit(6.0)
+    plan = planner.estimated_for_limit(6.0)
     assert planner.bytes_of(plan.surface, plan.decision.orders, plan.table) is None
     assert plan.bytes == stream_bytes(plan.triangles, formats)
 

@@ -129,6 +129,7 @@ class ErrorCurve:
         if first is None or first.planner.divides_much(max_error):
             return self.curves, []
         index = first.first_within(max_error)
+        first.draw_around(index)
         picture = first.picture(index)
         most = picture.cost("bytes") if picture.error <= max_error else math.inf
         for kind, planner in self._planners.items():

@@ -107,6 +107,12 @@ class Curve:
         """Bytes that :meth:`cheapest` takes at least from an index: what takes more is passed over there."""
         return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
+    def draw_around(self, index: int) -> None:
+        """Draw at once what pictures for a limit and those beside it are begun with: most have most in common."""
+        if self._drawn and index not in self._known:
+            near = self.steps[max(index - MISSES, 0) : index + MISSES + 1]
+            self.planner.draw_first([float(self.steps[index]), *near.tolist()])
+
     @property
     def _drawn(self) -> bool:
         """Whether pictures are planned by what is drawn."""
@@ -191,20 +197,23 @@ class Curve:
             most = min([most, *costs])
             return bool(costs)
 
-        if draw(first) and self._drawn and not tried[0].plan.much_divided:
-            # Each triangle has what is cheapest for it.
-            return tried[0]
-        enough, dear, missed = DEARER * tried[0].cost(unit), 0, 0
+        self.draw_around(first)
+        draw(first)
+        plan, missed, dear = tried[0].plan, 0, 0
+        enough = DEARER * plan.cost(unit)
         for index in range(first - 1, -1, -1):
             missed = 0 if draw(index) else missed + 1
             if missed == MISSES:
                 break
+        if self._drawn and not plan.divided:
+            # Each triangle has what is cheapest for it, about: no stricter limit takes less.
+            first = len(self)
         for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
             # Where much is divided, a stricter limit may well take less; else hardly.
             draw(index)
-            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
+            dear = dear + 1 if tried[-1].cost(unit) > (enough if plan.much_divided else most) else 0
             if dear == MISSES:
                 break
         kept = [picture for picture in tried if picture.error <= error]

@@ -33,7 +33,7 @@ OTHER_LOOSE, OTHER_AGREE = 1.4, 0.2
 """Of the other way to plan, which is tried where much is divided."""
 NEXT = 1 - 1e-9
 """Of an estimate: orders that are estimated to be better."""
-ROUNDS = 12
+ROUNDS = 16
 """Drawings after which a limit is given up."""
 
 
@@ -115,7 +115,8 @@ class Planner:
         """What the plan for a largest error takes at least: what has to be divided takes another packet."""
         decision, shader = self.undivided(max_error), self.shader
         packet = shader.words(np.full(len(shader.place), CONSTANT)) - shader.second_words - shader.depth_words
-        known = self.bytes_of(self.whole, decision.orders, self._coarsest(max_error))
+        table = self._coarsest(max_error)
+        known = self.bytes_of(self.whole, decision.orders, table, table.least_read)
         return 0 if known is None else known + 4 * int(packet) * int(decision.wanting.sum())
 
     def _coarsest(self, max_error: float) -> Table:
@@ -188,6 +189,11 @@ class Planner:
             best = plan
         return best
 
+    def draw_first(self, limits: Iterable[float]) -> None:
+        """Draw at once what pictures for some limits are begun with, as far as they have the first one's table."""
+        plans = [Plan(self, self.whole, self.undivided(one), self.shader.table(one)) for one in limits]
+        self.draw(plan for plan in plans if plan.table is plans[0].table)
+
     def other_way(self, max_error: float) -> Plan:
         """
         The same, planned another way.
@@ -204,7 +210,10 @@ class Planner:
         where none is good enough.
         """
         allowed = loose * self.allowed(max_error, table)
-        decision = choose_orders(self.whole, self.shader, Goal(allowed, agree=agree))
+        if (loose, agree, table) == (LOOSE, AGREE, self.shader.table(max_error)):
+            decision = self.undivided(max_error)
+        else:
+            decision = choose_orders(self.whole, self.shader, Goal(allowed, agree=agree))
         plan = Plan(self, self.whole, decision, table)
         for _ in range(ROUNDS):
             off, root, estimate = plan.drawn.largest, plan.surface.root, plan.decision.largest
@@ -314,6 +323,11 @@ class Plan:
     def number(self) -> np.ndarray:
         """See :meth:`Planner.number`."""
         return self.planner.number(self)
+
+    @property
+    def divided(self) -> bool:
+        """Whether anything is."""
+        return len(self.surface.root) > len(self.planner.whole.root)
 
     @property
     def much_divided(self) -> bool:

@@ -14,7 +14,7 @@ from quadshade.adapt.part_memory import WHOLE, Assessed, PartMemory
 from quadshade.adapt.polynomial_fit import ORDERS, POINTS
 from quadshade.adapt.small_triangles import PixelCentres, pixel_centres
 from quadshade.choices import MAX_ERROR
-from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, Formats
+from quadshade.contract.formats import CONSTANT, DIFFERENCES_OF_ORDER, LINEAR, POWER_MANTISSA_BITS, Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.scene.project import Projected
@@ -132,6 +132,11 @@ class Table:
     gain: np.ndarray
     error: float = 0.0
     first: int = 0
+
+    @property
+    def least_read(self) -> int:
+        """The first entry that a picture may do with: an octave later."""
+        return self.first + (1 << POWER_MANTISSA_BITS) if self.first else 0
 
     @cached_property
     def _bytes(self) -> dict[int, int]:
