@@ -205,15 +205,13 @@ class Curve:
             missed = 0 if draw(index) else missed + 1
             if missed == MISSES:
                 break
-        if self._drawn and not plan.divided:
-            # Each triangle has what is cheapest for it, about: no stricter limit takes less.
-            first = len(self)
-        for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1):
+        # Where little is divided each triangle has what is cheapest for it, and no stricter limit takes less.
+        several = plan.much_divided or not self._drawn
+        for index in range(first + 1, min(first + STRICTER, len(self) - 1) + 1) if several else ():
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
-            # Where much is divided, a stricter limit may well take less; else hardly.
             draw(index)
-            dear = dear + 1 if tried[-1].cost(unit) > (enough if plan.much_divided else most) else 0
+            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
             if dear == MISSES:
                 break
         kept = [picture for picture in tried if picture.error <= error]

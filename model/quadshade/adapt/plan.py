@@ -325,11 +325,6 @@ class Plan:
         return self.planner.number(self)
 
     @property
-    def divided(self) -> bool:
-        """Whether anything is."""
-        return len(self.surface.root) > len(self.planner.whole.root)
-
-    @property
     def much_divided(self) -> bool:
         """Whether another way to divide may be worth its time."""
         return len(self.surface.root) > MUCH * len(self.planner.whole.root)
