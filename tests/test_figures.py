@@ -112,8 +112,8 @@ def test_a_stricter_limit_may_cost_less() -> None:
     mesh = load_scene("torus:288")
     projected = project(mesh, fit_camera(mesh), 256, 256)
     curve = ErrorCurve(projected, None, Material(exponent=50), shading="quadratic-lights").curves[0]
-    dear, cheap = (curve.picture(int(np.flatnonzero(curve.steps == limit)[0])) for limit in (3.2, 3.1))
-    assert {3.2, 3.1} <= set(error_limits(255.0))
+    dear, cheap = (curve.picture(int(np.flatnonzero(curve.steps == limit)[0])) for limit in (4.9, 4.8))
+    assert {4.9, 4.8} <= set(error_limits(255.0))
     assert says(
         "docs/guide/adapt.md",
         f"{dear.cost('bytes'):,} bytes for {dear.error:.2f} grey levels, {cheap.cost('bytes'):,} for"

@@ -23,7 +23,15 @@ from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
-from scripts.experiments.report_writer import REPORTS, command_line, output_option, paragraph, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    command_line,
+    keep_option,
+    kept,
+    output_option,
+    paragraph,
+    write_report,
+)
 from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "adapt_fits.md"
@@ -190,9 +198,10 @@ def text(rows: list[dict], command: str, size: int, exponent: float, missing: bo
 @click.command()
 @click.option("--size", default=512, show_default=True, help="Pixels each way.")
 @click.option("--exponent", default=50.0, show_default=True, help="Specular exponent.")
+@keep_option
 @output_option(REPORT)
 @one_line_errors(REPORT.stem)
-def main(size: int, exponent: float, output: Path) -> None:
+def main(size: int, exponent: float, keep: Path | None, output: Path) -> None:
     """Plan every mesh for every error without and with fits, and write the report."""
     console, material = Console(stderr=True), Material(exponent=exponent)
     rows: list[dict] = []
@@ -203,7 +212,8 @@ def main(size: int, exponent: float, output: Path) -> None:
         for name, source in [*((n, n) for n in GENERATED), *((path.name, str(path)) for path in real)]:
             console.print(f"planning {name}")
             mesh = load_scene(source)
-            rows += rows_of(name, project(mesh, fit_camera(mesh), size, size), material)
+            whole = project(mesh, fit_camera(mesh), size, size)
+            rows += kept(keep, name, lambda name=name, whole=whole: list(rows_of(name, whole, material)))
     command = command_line("adaptive_fits", size=size, exponent=exponent)
     written = text(rows, command, size, exponent, not real)
     write_report(output, written, {"command": command, "rows": rows})

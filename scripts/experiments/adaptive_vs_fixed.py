@@ -9,9 +9,8 @@ report says so.
 
 from __future__ import annotations
 
-import json
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -37,12 +36,18 @@ from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import draw
 from quadshade.errors import QuadshadeError
-from quadshade.files.atomic import write_json
 from quadshade.files.markdown import markdown_table
 from quadshade.scene import Projected, fit_camera, load_scene, project
 from quadshade.shading import Material, sample, sample_specular, specular_formats
 from scripts.experiments.real_meshes import PACKAGE, real_meshes
-from scripts.experiments.report_writer import REPORTS, command_line, output_option, write_report
+from scripts.experiments.report_writer import (
+    REPORTS,
+    command_line,
+    keep_option,
+    kept,
+    output_option,
+    write_report,
+)
 from scripts.one_line_errors import one_line_errors
 
 matplotlib.use("Agg")
@@ -189,17 +194,6 @@ def scene_report(name: str, source: str, size: int, steps: int, material: Materi
     return about | {"fixed": rows, "adaptive": curves, "mixes": list(mixes(whole, material, formats))}
 
 
-def kept(folder: Path | None, name: str, make: Callable[[], dict]) -> dict:
-    """What is made of a mesh, or what a run before made of it and kept in a folder."""
-    if folder is None:
-        return make()
-    path = folder / f"{name.replace(':', '_')}.json"
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        write_json(path, make())
-    return json.loads(path.read_text())
-
-
 def front(points: list[dict], measure: str) -> tuple[list, list]:
     """Bytes and least error so far, for the plot."""
     ordered = sorted(points, key=lambda point: point["bytes"])
@@ -327,11 +321,7 @@ def mix_text(scenes: list[dict]) -> list[str]:
     type=click.Path(exists=True, path_type=Path),
     help="Instead of pyvista's.",
 )
-@click.option(
-    "--keep",
-    type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of finished meshes: an interrupted run goes on with the next. Empty it for other options.",
-)
+@keep_option
 @output_option(REPORT)
 @one_line_errors(REPORT.stem)
 def main(

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from quadshade.files.atomic import write_text
+from quadshade.files.atomic import write_json, write_text
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "docs" / "reports"
@@ -93,3 +93,21 @@ def write_report(report: Path, text: str, numbers: Any = None) -> None:
     if numbers is not None:
         write_text(report.with_suffix(".json"), rows_as_json(numbers) + "\n")
     write_text(report, text)
+
+
+keep_option = click.option(
+    "--keep",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of finished meshes: an interrupted run goes on with the next. Empty it for other options.",
+)
+
+
+def kept(folder: Path | None, name: str, make: Callable[[], Any]) -> Any:
+    """What is made of a mesh, or what a run before made of it and kept in a folder."""
+    if folder is None:
+        return make()
+    path = folder / f"{name.replace(':', '_')}.json"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(path, make())
+    return json.loads(path.read_text())
