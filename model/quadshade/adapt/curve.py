@@ -2,7 +2,7 @@
 """
 Error against cost: one curve of pictures, in which an allowed error and a budget are both looked up.
 
-The pictures are those planned, drawn and mended for a fixed row of limits (or of prices, for the root mean
+The pictures are those planned and drawn for a fixed row of limits (or of prices, for the root mean
 square), the loosest first. Planning is greedy, so that a stricter limit now and then costs less than a looser
 one. Therefore an error takes the cheapest picture among several limits around its own, and a budget the best
 among several around the one where it ends: more bytes never give more error, a larger allowed error never
@@ -108,7 +108,7 @@ class Curve:
         return min(self.least_bytes(index) for index in range(max(first - MISSES, 0), first + 1))
 
     def draw_around(self, index: int) -> None:
-        """Draw at once what pictures for a limit and those beside it are begun with: most have most in common."""
+        """Draw at once what pictures for a limit and those beside it begin with: most of it is the same."""
         if self._drawn and index not in self._known:
             near = self.steps[max(index - MISSES, 0) : index + MISSES + 1]
             self.planner.draw_first([float(self.steps[index]), *near.tolist()])

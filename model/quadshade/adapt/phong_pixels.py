@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +31,7 @@ from quadshade.shading.reference import phong
 BLOCK = 1024
 """Pixels that are drawn before they are compared, about: they stay in the cache."""
 
+COLOURS = 3
 
 NO_SHADE = ShadeGiven(
     np.zeros(3, np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 0), np.int64), 0, 0, 1, 1
@@ -127,6 +129,35 @@ def _ranges(rows: MeshRows, light: Floats) -> Floats:
             blue, most_blue = min(blue, light[2, place]), max(most_blue, light[2, place])
         out[index, 0], out[index, 1], out[index, 2] = most_red - red, most_green - green, most_blue - blue
     return out
+
+
+@dataclass(frozen=True)
+class PartErrors:
+    """
+    Drawn pixels of parts against Phong shading.
+
+    Attributes
+    ----------
+    largest : (n,) float64
+      Output units.
+    square : (n,) float64
+      Sum of the squared differences over pixels and colours.
+    pixels : (n,) float64
+      How many were drawn.
+    highest : (n,) float64
+      The highest value of a lane with a power table, -1 without one.
+    """
+
+    largest: np.ndarray
+    square: np.ndarray
+    pixels: np.ndarray
+    highest: np.ndarray
+
+    def by(self, measure: str) -> float:
+        """The error of the picture: the largest or the root mean square."""
+        if measure == "max":
+            return float(self.largest.max(initial=0))
+        return float(np.sqrt(self.square.sum() / max(COLOURS * self.pixels.sum(), 1)))
 
 
 class PhongPixels:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plan for one limit: per triangle the cheapest order of each channel, or division; drawn and mended."""
+"""A plan for one limit: per triangle the cheapest orders whose drawing keeps it, or division."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from quadshade.adapt.choose import Decision, Goal, choose_orders, divide, settle
 from quadshade.adapt.costs import core_clocks, stream_bytes
 from quadshade.adapt.pair_numbers import PairNumbers
-from quadshade.adapt.phong_pixels import PhongPixels
+from quadshade.adapt.phong_pixels import COLOURS, PartErrors, PhongPixels
 from quadshade.adapt.result import Adapted
 from quadshade.adapt.shader import OUTPUT_ROUNDING, Shader, Surface, Table, chosen_samples
 from quadshade.contract.formats import CONSTANT, ORDER_NAMES, Formats
@@ -24,15 +24,14 @@ from quadshade.scene.project import Projected
 LineCount = Callable[[ScreenTriangles, Formats], int]
 """Bytes on the serial line, of triangles for a core."""
 
-COLOURS = 3
 MUCH = 1.1
 """Triangles, over those of the undivided mesh."""
-LOOSE, AGREE = 1.6, 0.1
-"""Estimates are mostly too high: orders are drawn first that are estimated to be off by so many times as much."""
-OTHER_LOOSE, OTHER_AGREE = 1.4, 0.2
-"""Of the other way to plan, which is tried where much is divided."""
+LOOSE, OTHER_LOOSE = 1.6, 1.4
+"""Of what is allowed, as most estimates are too high: what orders may have that are drawn first. Both ways."""
+AGREE, OTHER_AGREE = 0.1, 0.2
+"""See :class:`.choose.Goal`; of both ways too."""
 NEXT = 1 - 1e-9
-"""Of an estimate: orders that are estimated to be better."""
+"""Of an estimate: other orders have to be better than what was drawn."""
 ROUNDS = 16
 """Drawings after which a limit is given up."""
 
@@ -190,7 +189,7 @@ class Planner:
         return best
 
     def draw_first(self, limits: Iterable[float]) -> None:
-        """Draw at once what pictures for some limits are begun with, as far as they have the first one's table."""
+        """Draw at once what pictures for some limits begin with, as far as they have the first one's table."""
         plans = [Plan(self, self.whole, self.undivided(one), self.shader.table(one)) for one in limits]
         self.draw(plan for plan in plans if plan.table is plans[0].table)
 
@@ -267,35 +266,6 @@ class Planner:
         """What the golden model draws, and how far its pixels are off: each part once with each orders."""
         self.draw([plan])
         return PartErrors(*self._drawn[plan.number].T)
-
-
-@dataclass(frozen=True)
-class PartErrors:
-    """
-    Drawn pixels of parts against Phong shading.
-
-    Attributes
-    ----------
-    largest : (n,) float64
-      Output units.
-    square : (n,) float64
-      Sum of the squared differences over pixels and colours.
-    pixels : (n,) float64
-      How many were drawn.
-    highest : (n,) float64
-      The highest value of a lane with a power table, -1 without one.
-    """
-
-    largest: np.ndarray
-    square: np.ndarray
-    pixels: np.ndarray
-    highest: np.ndarray
-
-    def by(self, measure: str) -> float:
-        """The error of the picture: the largest or the root mean square."""
-        if measure == "max":
-            return float(self.largest.max(initial=0))
-        return float(np.sqrt(self.square.sum() / max(COLOURS * self.pixels.sum(), 1)))
 
 
 class Plan:

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from quadshade.adapt.choose import Goal, choose_orders, divide
-from quadshade.adapt.plan import PartErrors, Plan, Planner
+from quadshade.adapt.phong_pixels import PartErrors
+from quadshade.adapt.plan import Plan, Planner
 from quadshade.adapt.shader import OUTPUT_ROUNDING, Options, Surface
 from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.contract.formats import CONSTANT
