@@ -27,9 +27,9 @@ LineCount = Callable[[ScreenTriangles, Formats], int]
 MUCH = 1.1
 """Triangles, over those of the undivided mesh."""
 LOOSE, OTHER_LOOSE = 1.6, 1.4
-"""Of what is allowed, as most estimates are too high: what orders may have that are drawn first. Both ways."""
+"""Of what is allowed, as most estimates are too high: what orders may have that are drawn first."""
 AGREE, OTHER_AGREE = 0.1, 0.2
-"""See :class:`.choose.Goal`; of both ways too."""
+"""See :class:`.choose.Goal`."""
 NEXT = 1 - 1e-9
 """Of an estimate: other orders have to be better than what was drawn."""
 ROUNDS = 16
@@ -189,7 +189,7 @@ class Planner:
         return best
 
     def draw_first(self, limits: Iterable[float]) -> None:
-        """Draw at once what pictures for some limits begin with, as far as they have the first one's table."""
+        """Draw at once what pictures for some limits begin with, if they have the first one's table."""
         plans = [Plan(self, self.whole, self.undivided(one), self.shader.table(one)) for one in limits]
         self.draw(plan for plan in plans if plan.table is plans[0].table)
 
