@@ -89,7 +89,7 @@ class Curve:
         else:
             self.steps = np.geomspace(HIGHEST_PRICE, LOWEST_PRICE, PRICE_STEPS)
         self._known: dict[int, Picture] = {}
-        self._others: dict[int, Picture] = {}
+        self._others: dict[int, list[Picture]] = {}
         self._least: dict[int, int] = {}
 
     def __len__(self) -> int:
@@ -130,14 +130,14 @@ class Curve:
         return self._known[index]
 
     def pictures(self, index: int) -> list[Picture]:
-        """The picture for a limit, and where much is divided another, planned the other way."""
+        """The picture for a limit, and where much is divided others, planned in other ways."""
         picture = self.picture(index)
         if not (self._drawn and picture.plan.much_divided):
             return [picture]
         if index not in self._others:
-            plan = self.planner.other_way(float(self.steps[index]))
-            self._others[index] = Picture(plan, plan.error(True))
-        return [picture, self._others[index]]
+            plans = self.planner.other_ways(float(self.steps[index]))
+            self._others[index] = [Picture(plan, plan.error(True)) for plan in plans]
+        return [picture, *self._others[index]]
 
     def _first(self, good: Callable[[Picture], bool]) -> int:
         """By bisection: the loosest picture that is good, if all that are stricter are; else the last."""
@@ -211,7 +211,7 @@ class Curve:
             if unit == "bytes" and self.least_bytes(index) > min(most, enough):
                 break
             draw(index)
-            dear = dear + 1 if tried[-1].cost(unit) > enough else 0
+            dear = dear + 1 if self.picture(index).cost(unit) > enough else 0
             if dear == MISSES:
                 break
         kept = [picture for picture in tried if picture.error <= error]

@@ -24,9 +24,9 @@ from quadshade.scene.project import Projected
 LineCount = Callable[[ScreenTriangles, Formats], int]
 """Bytes on the serial line, of triangles for a core."""
 
-MUCH = 1.1
+MUCH = 1.05
 """Triangles, over those of the undivided mesh."""
-LOOSE, OTHER_LOOSE = 1.6, 1.4
+LOOSE, OTHER_LOOSE, DIVIDED_LOOSE = 1.6, 1.4, 1.2
 """Of what is allowed, as most estimates are too high: what orders may have that are drawn first."""
 AGREE, OTHER_AGREE = 0.1, 0.2
 """See :class:`.choose.Goal`."""
@@ -180,9 +180,12 @@ class Planner:
 
         A coarser table takes fewer bytes, and now and then so does the picture that is drawn with it.
         """
-        best = self._drawn_within(max_error, self.shader.table(max_error), LOOSE, AGREE)
+        best = self._drawn_within(max_error, self._first(max_error))
         while not best.much_divided and (table := self.shader.coarser(best.table)) is not None:
-            plan = self._drawn_within(max_error, table, LOOSE, AGREE)
+            decision = choose_orders(
+                self.whole, self.shader, Goal(LOOSE * self.allowed(max_error, table), agree=AGREE)
+            )
+            plan = self._drawn_within(max_error, Plan(self, self.whole, decision, table))
             if plan.bytes >= best.bytes or plan.error(verify=True) > max_error:
                 break
             best = plan
@@ -190,30 +193,38 @@ class Planner:
 
     def draw_first(self, limits: Iterable[float]) -> None:
         """Draw at once what pictures for some limits begin with, if they have the first one's table."""
-        plans = [Plan(self, self.whole, self.undivided(one), self.shader.table(one)) for one in limits]
+        plans = [self._first(limit) for limit in limits]
         self.draw(plan for plan in plans if plan.table is plans[0].table)
 
-    def other_way(self, max_error: float) -> Plan:
+    def other_ways(self, max_error: float) -> list[Plan]:
         """
-        The same, planned another way.
+        The same from other beginnings, one of them divided by estimates.
 
-        Planning is greedy: where much is divided it now and then takes fewer bytes.
+        Planning is greedy: where much is divided they now and then take fewer bytes.
         """
-        return self._drawn_within(max_error, self.shader.table(max_error), OTHER_LOOSE, OTHER_AGREE)
+        table = self.shader.table(max_error)
+        allowed = self.allowed(max_error, table)
+        divided = self.settled(DIVIDED_LOOSE * allowed, agree=AGREE, table=table)
+        decision = choose_orders(self.whole, self.shader, Goal(OTHER_LOOSE * allowed, agree=OTHER_AGREE))
+        whole = Plan(self, self.whole, decision, table)
+        return [
+            self._drawn_within(max_error, divided, LOOSE),
+            self._drawn_within(max_error, whole, OTHER_LOOSE),
+        ]
 
-    def _drawn_within(self, max_error: float, table: Table, loose: float, agree: float) -> Plan:
+    def _first(self, max_error: float) -> Plan:
+        """What is drawn first for a largest error."""
+        return Plan(self, self.whole, self.undivided(max_error), self.shader.table(max_error))
+
+    def _drawn_within(self, max_error: float, plan: Plan, loose: float = LOOSE) -> Plan:
         """
-        Draw the cheapest orders of each triangle that may keep a limit, then others where they do not.
+        Draw a plan, then other orders where they do not keep a limit, until all do.
 
         What is drawn says how much an estimate is off, and so which orders may be next. A triangle is divided
         where none is good enough.
         """
+        table, agree = plan.table, plan.decision.agree
         allowed = loose * self.allowed(max_error, table)
-        if (loose, agree, table) == (LOOSE, AGREE, self.shader.table(max_error)):
-            decision = self.undivided(max_error)
-        else:
-            decision = choose_orders(self.whole, self.shader, Goal(allowed, agree=agree))
-        plan = Plan(self, self.whole, decision, table)
         for _ in range(ROUNDS):
             off, root, estimate = plan.drawn.largest, plan.surface.root, plan.decision.largest
             kept = off <= max_error
