@@ -81,8 +81,8 @@ def test_adaptive_pictures_read_a_part_of_the_tables() -> None:
     assert triangles.shade is not None and six.shade is not None
     words = pack(setup_triangles(triangles, formats, limit=MAX_ERROR), formats)
     first = int(needed_writes(words, triangles.shade, formats)[0, 0])
-    # For this error cosines reach 31/32: five octaves of the table, and with them the least bytes.
-    assert entries - first == 5 << POWER_MANTISSA_BITS
+    # For this error cosines reach 7/8: three octaves of the table, and with them the least bytes.
+    assert entries - first == 3 << POWER_MANTISSA_BITS
     assert state_bytes(triangles, formats) == 4 * len(triangles.shade.writes(first)) < state_bytes(six, plain)
     assert stream_bytes(triangles, formats) == 4 * len(words) + state_bytes(triangles, formats)
     # The error that the coarser table costs is in what planning verified.
