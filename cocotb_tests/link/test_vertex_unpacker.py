@@ -84,9 +84,11 @@ def packets(bench: Bench, count: int, runs: int = 0) -> tuple[np.ndarray, list[i
     """Words, some of them in runs of packed ones; the set-up words that come; the model after them."""
     formats = bench.config.formats
     triangles = strip(bench, count)
-    chosen = choose_vertices(setup_triangles(triangles, formats, limit=None), triangles, formats, 0.25)
+    primitives = setup_triangles(triangles, formats, limit=None)
+    # Those are never sent as vertices.
+    primitives.undefined[bench.draw.sample(range(len(primitives)), runs)] = True
+    chosen = choose_vertices(primitives, triangles, formats, 0.25)
     assert chosen is not None and chosen.sent.any()
-    chosen.sent[bench.draw.sample(range(len(chosen.sent)), runs)] = False
     ends = np.cumsum([bench.draw.randint(1, 4) for _ in range(len(chosen.sent))])
     words = chosen.words(np.array([bench.bits(32) | 1 for _ in range(ends[-1])], np.uint32), ends)
     model = VertexUnpacker(formats)

@@ -31,7 +31,7 @@ from scripts.one_line_errors import one_line_errors
 
 REPORT = REPORTS / "link_vertices.md"
 SCENES = (
-    *("sphere:690", "torus:288", "torus:1152", "icosphere:4"),
+    *("sphere:690", "torus:288", "torus:1152", "icosphere:4", "sphere:159x159"),
     *("examples/part.stl", "examples/pawn.obj"),
 )
 TARGETS = {"gouraud": 24, "quadratic": 24}
@@ -69,7 +69,7 @@ def measure(scene: str, shading: str) -> dict:
     unpacker = VertexUnpacker(formats)
     unpacker.feed(words)
     sizes = line_bytes(plain.words) / drawn, line_bytes(words) / drawn
-    fields = seconds_of(lambda: pack_primitives(primitives, formats))
+    seconds = seconds_of(lambda: pack_vertices(primitives, triangles, formats))
     return {
         "scene": scene,
         "shading": shading,
@@ -79,7 +79,7 @@ def measure(scene: str, shading: str) -> dict:
         "vertices": round(sizes[1], 2),
         "clocks": round(unpacker.clocks / drawn),
         "line": round(sizes[1] * CLOCKS_A_BYTE),
-        "time": round(seconds_of(lambda: pack_vertices(primitives, triangles, formats)) / fields, 2),
+        "rate": round(drawn / seconds / 1000),
     }
 
 
@@ -93,12 +93,12 @@ def report(rows: list[dict]) -> str:
     """The report's text, from nothing but the numbers."""
     head = (
         *("scene", "shading", "triangles", "as vertices", "bytes, fields", "bytes, vertices", "target"),
-        *("clocks, decoding", "clocks, line", "packing, of fields' time"),
+        *("clocks, decoding", "clocks, line", "packed, thousands a second"),
     )
     cells = [
         (
             *(row["scene"], row["shading"], str(row["triangles"]), str(row["sent"]), str(row["fields"])),
-            *(str(row["vertices"]), target_of(row), str(row["clocks"]), str(row["line"]), str(row["time"])),
+            *(str(row["vertices"]), target_of(row), str(row["clocks"]), str(row["line"]), str(row["rate"])),
         )
         for row in rows
     ]
@@ -109,7 +109,7 @@ def report(rows: list[dict]) -> str:
         Written by `make linkbytes`; {WIDTH}x{HEIGHT}, in perspective, with depth, packed to {PACK_ERROR:g}
         grey levels. [vertices.md](../reference/vertices.md) is the format. Everything counts for a drawn
         triangle: mean bytes on the line with COBS, header and CRC; clocks of `vertex_unpacker`, and those of
-        its bytes on a line of 3 Mbaud at 100 MHz; processor time of packing, beside that of packed fields.
+        its bytes on a line of 3 Mbaud at 100 MHz; triangles packed in a second of one core, loops warm.
         """
     )
     last = paragraph(

@@ -10,6 +10,7 @@ the border, are runs of packed words between.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -28,12 +29,14 @@ from quadshade.contract.vertex_program import (
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.packing.pack import Packed, pack_primitives
-from quadshade.packing.read_primitives import read_primitives
 from quadshade.packing.vertex_code import Tokens, code_parameters, run_head, write_tokens
+from quadshade.packing.vertex_set_up import COVER_WIDTH, EDGE, EDGES, HEADER, board_of, set_up, usual_order
 from quadshade.packing.vertices import MOST_TOKENS, Points, tokens_of
 from quadshade.setup.packet import Primitives
 from quadshade.setup.quantise import largest_error
 from quadshade.setup.short_words import Regions, primitive_regions
+
+HAS_SECOND = HEADER.index("has_second")
 
 FINEST = 6
 """Most fraction bits of a sample: the coefficients of its quadratic then fill their bits."""
@@ -95,11 +98,25 @@ def _points(primitives: Primitives, triangles: ScreenTriangles, formats: Formats
     )
 
 
-def _encode(points: Points, parameters: np.ndarray, packed: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """(m,) uint32 words of everything; the first four parameters are written."""
+class _Line(NamedTuple):
+    """What the line carries, how many tokens, and the corners in the order in which the board keeps them."""
+
+    tokens: Tokens
+    num_tokens: int
+    settled: Ints
+
+
+def _line_of(points: Points) -> _Line:
+    """The tokens of the primitives that are sent, with runs of the others."""
     room = MOST_TOKENS * len(points.sent) + 1
-    tokens = Tokens(np.zeros(room, np.int8), np.zeros(room, np.int64), np.zeros(room, np.int8))
-    count = tokens_of(points, tokens)
+    tokens = Tokens(np.empty(room, np.int8), np.empty(room, np.int64), np.empty(room, np.int8))
+    settled = np.zeros((len(points.sent), 3), np.int64)
+    return _Line(tokens, tokens_of(points, tokens, settled), settled)
+
+
+def _encode(line: _Line, parameters: np.ndarray, packed: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """(m,) uint32 words of everything; the first four parameters are written."""
+    tokens, count = line.tokens, line.num_tokens
     code_parameters(tokens, count, parameters)
     # No token has more bits than the longest residual; runs begin at whole words.
     out = np.zeros(count * 2 + 2 * len(packed) + 8, np.uint32)
@@ -108,26 +125,36 @@ def _encode(points: Points, parameters: np.ndarray, packed: np.ndarray, ends: np
 
 
 @njit(cache=True)
-def _added(words: Ints, drawn: Ints, regions: Regions, rows: Ints, out: Floats) -> None:
+def _added(words: Ints, drawn: Ints, regions: Regions, todo: Bools, out: Floats) -> None:
     """Most that words of some primitives, ``drawn``, are off ``words``, in units of the last place."""
     off = np.zeros(6)
-    for index, p in enumerate(rows):
+    for p in range(len(todo)):
+        if not todo[p]:
+            continue
         for channel in range(words.shape[1]):
             for difference in range(6):
-                off[difference] = drawn[index, channel, difference] - words[p, channel, difference]
-            out[index, channel] = largest_error(regions.corners[p], regions.num_corners[p], off)
+                off[difference] = drawn[p, channel, difference] - words[p, channel, difference]
+            out[p, channel] = largest_error(regions.corners[p], regions.num_corners[p], off)
 
 
-def _same_cover(drawn: Primitives, primitives: Primitives, rows: np.ndarray) -> np.ndarray:
-    """(k,) bool: header and edges are those of some primitives, in every bit."""
-    same = np.ones(len(rows), bool)
-    for name, values in primitives.header.items():
-        same &= drawn.header[name] == values[rows]
-    for edge, fields in primitives.edges.items():
-        there = primitives.header["has_second"][rows] != 0 if edge == "second" else True
-        for name, values in fields.items():
-            same &= (drawn.edges[edge][name] == values[rows]) | ~np.asarray(there)
-    return same
+def covers_of(primitives: Primitives) -> Ints:
+    """(n, COVER_WIDTH) int64: header and edges of primitives, as :func:`set_up` gives them."""
+    columns = [primitives.header[name] for name in HEADER]
+    columns += [primitives.edges[edge][name] for edge in EDGES for name in EDGE]
+    return np.stack(columns, axis=1).astype(np.int64, copy=False)
+
+
+@njit(cache=True)
+def _keep(drawn: Ints, covers: Ints, added: Floats, budgets: Floats, todo: Bools, sent: Bools) -> None:
+    """Some are only sent if header and edges are right in every bit, and no channel is off by too much."""
+    for p in range(len(todo)):
+        if not todo[p]:
+            continue
+        columns = COVER_WIDTH if covers[p, HAS_SECOND] else COVER_WIDTH - len(EDGE)
+        for column in range(columns):
+            sent[p] &= drawn[p, column] == covers[p, column]
+        for channel in range(len(budgets)):
+            sent[p] &= added[p, channel] <= budgets[channel]
 
 
 class VertexPacked:
@@ -142,18 +169,14 @@ class VertexPacked:
       With the board's words where sent, and bounds that hold for them.
     """
 
-    def __init__(
-        self, points: Points, parameters: np.ndarray, primitives: Primitives, whole: np.ndarray
-    ) -> None:
-        self._points, self._parameters, self.primitives = points, parameters, primitives
-        self._whole = whole
+    def __init__(self, points: Points, line: _Line, parameters: np.ndarray, primitives: Primitives) -> None:
+        self._points, self._line, self._parameters = points, line, parameters
+        self.primitives = primitives
         self.sent: Bools = points.sent
 
     def words(self, packed: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """(m,) uint32 for the line, with runs of packed words of the others between."""
-        if self.sent.all():
-            return self._whole
-        return _encode(self._points, self._parameters, packed, ends)
+        return _encode(self._line, self._parameters, packed, ends)
 
 
 def choose_vertices(
@@ -185,33 +208,45 @@ def choose_vertices(
     if shift_depth < 0:
         return None
     points = _points(primitives, triangles, formats, bits)
-    parameters = np.array([0, 0, 0, 0, bits - SAMPLE_FRAC, shift_depth])
-    rows = np.flatnonzero(points.sent)
-    if not len(rows):
+    if not points.sent.any():
         return None
-    alone = Points(
-        points.corners[rows],
-        points.middles[rows],
-        points.quadratic[rows],
-        points.trims[rows],
-        points.sent[rows],
-    )
-    words = _encode(alone, parameters, np.zeros(0, np.uint32), np.zeros(0, np.int64))
-    drawn = read_primitives(VertexUnpacker(formats).feed(words), formats)
-    added = np.zeros((len(rows), formats.carried_channels))
-    _added(primitives.words, drawn.words, primitive_regions(primitives), rows, added)
-    added /= 2.0 ** np.array(formats.channel_frac_bits)
+    parameters = np.array([0, 0, 0, 0, bits - SAMPLE_FRAC, shift_depth])
+    board = board_of(formats, bits - SAMPLE_FRAC, shift_depth)
+    covers, regions = covers_of(primitives), primitive_regions(primitives)
+    drawn = np.zeros_like(covers)
+    words = np.zeros_like(primitives.words)
+    added = np.zeros((len(primitives), formats.carried_channels))
     budgets = np.full(formats.carried_channels, error)
     budgets[formats.num_channels :] = DEPTH_ERROR
-    kept = _same_cover(drawn, primitives, rows) & (added <= budgets).all(axis=1)
-    points.sent[rows[~kept]] = False
-    board_words, bound = primitives.words.copy(), primitives.bound.copy()
+    budgets *= 2.0 ** np.array(formats.channel_frac_bits)
+    order, todo = usual_order(points), points.sent.copy()
+    line: _Line | None = None
+    while True:
+        before = np.count_nonzero(points.sent)
+        set_up(points, order, todo, board, drawn, words)
+        _added(primitives.words, words, regions, todo, added)
+        _keep(drawn, covers, added, budgets, todo, points.sent)
+        if line is not None and np.count_nonzero(points.sent) == before:
+            break
+        line = _line_of(points)
+        # Where corners have the same y, their order is that in which the triangle before was sent.
+        todo = points.sent & (line.settled != order).any(axis=1)
+        order = line.settled
+    kept = points.sent
+    added[~kept] = 0.0
     orders = primitives.orders.copy()
-    board_words[rows[kept]], orders[rows[kept]] = drawn.words[kept], drawn.orders[kept]
-    bound[rows[kept]] += added[kept]
-    return VertexPacked(
-        points, parameters, replace(primitives, words=board_words, bound=bound, orders=orders), words
+    orders[:, : formats.num_channels] = np.where(
+        kept[:, None], 1 + points.quadratic[:, None], orders[:, : formats.num_channels]
     )
+    orders[kept, formats.num_channels :] = 1
+    drawn_primitives = replace(
+        primitives,
+        edges={edge: dict(fields) for edge, fields in primitives.edges.items()},
+        words=np.where(kept[:, None, None], words, primitives.words),
+        bound=primitives.bound + added / 2.0 ** np.array(formats.channel_frac_bits),
+        orders=orders,
+    )
+    return VertexPacked(points, line, parameters, drawn_primitives)
 
 
 def as_run(words: np.ndarray) -> np.ndarray:
@@ -290,19 +325,21 @@ def pack_vertices(
     plain = None
     if 2 * np.count_nonzero(chosen.sent) < len(primitives):
         plain = _all_packed(primitives, formats, error)
-    rows = np.flatnonzero(~chosen.sent)
-    # A run of packed words begins where the primitive before it is none of them.
-    aligned = np.diff(rows, prepend=-2) != 1
-    rest = pack_primitives(_part(primitives, rows), formats, error, aligned=aligned)
-    starts = rest.starts[:-1][aligned] // SETUP_WORD_BITS
-    ends = np.append(starts[1:], len(rest.words)).astype(np.int64) if len(rows) else np.zeros(0, np.int64)
-    words = chosen.words(rest.words, ends)
+    rows, drawn = np.flatnonzero(~chosen.sent), chosen.primitives
+    packed, starts, ends = np.zeros(0, np.uint32), np.zeros(1, np.int64), np.zeros(0, np.int64)
+    if len(rows):
+        # A run of packed words begins where the primitive before it is none of them.
+        aligned = np.diff(rows, prepend=-2) != 1
+        rest = pack_primitives(_part(primitives, rows), formats, error, aligned=aligned)
+        packed, starts = rest.words, rest.starts
+        begins = starts[:-1][aligned] // SETUP_WORD_BITS
+        ends = np.append(begins[1:], len(packed)).astype(np.int64)
+        _put_part(drawn, rows, rest.primitives)
+    words = chosen.words(packed, ends)
     if plain is not None and len(plain.words) <= len(words):
         return plain
-    drawn = chosen.primitives
-    _put_part(drawn, rows, rest.primitives)
     added = (drawn.bound - primitives.bound)[:, : formats.num_channels]
-    return Packed(words, drawn, rest.starts, float(added.max(initial=0.0)), True)
+    return Packed(words, drawn, starts, float(added.max(initial=0.0)), True)
 
 
 def unpack_vertices(words: np.ndarray, formats: Formats) -> np.ndarray:

@@ -22,6 +22,7 @@ MOST_TOKENS = 48
 """More than a triangle has."""
 
 _RING = 64
+_BUCKETS = 1024
 
 
 class Points(NamedTuple):
@@ -51,10 +52,15 @@ class Points(NamedTuple):
 class _Tables(NamedTuple):
     """
     What the board has: rings of corners and middles, how many were put in; the last triangle's places.
+
+    Most points are looked for in vain: ``corners_by`` and ``middles_by`` count those in the ring by what
+    :func:`_bucket` says of them.
     """
 
     corners: Ints
     middles: Ints
+    corners_by: Ints
+    middles_by: Ints
     counts: Ints
     at: Ints
     middles_at: Ints
@@ -69,6 +75,26 @@ def _equal(first: Ints, second: Ints) -> bool:
 
 
 @njit(cache=True)
+def _bucket(point: Ints, columns: int) -> Int:
+    """One of ``_BUCKETS`` of a point's first numbers; equal ones are in the same."""
+    mixed = np.int64(0)
+    for column in range(columns):
+        mixed = 1021 * mixed + point[column]
+    return (mixed ^ (mixed >> 12)) & (_BUCKETS - 1)
+
+
+@njit(cache=True)
+def _put_in(ring: Ints, by: Ints, count: int, point: Ints, columns: int) -> int:
+    """Put a point into a ring, in place of the oldest one; its place."""
+    place = count % _RING
+    if count >= _RING:
+        by[_bucket(ring[place], columns)] -= 1
+    by[_bucket(point, columns)] += 1
+    ring[place] = point
+    return place
+
+
+@njit(cache=True)
 def _stays(place: int, count: int) -> bool:
     """Whether a place of a ring is not among the next three that are written."""
     return (place - count) % _RING >= 3
@@ -78,21 +104,27 @@ def _stays(place: int, count: int) -> bool:
 def _find(ring: Ints, count: int, point: Ints) -> int:
     """Place of a point in a ring where it stays, -1 if there is none; the newest one first."""
     for age in range(min(count, _RING - 3)):
-        place = (count - 1 - age) % _RING
-        if _equal(ring[place], point):
+        place = (count - 1 - age) & (_RING - 1)
+        if ring[place, 0] == point[0] and _equal(ring[place], point):
             return place
     return -1
 
 
 @njit(cache=True)
-def _find_place(ring: Ints, count: int, point: Ints, colours: int) -> int:
-    """As :func:`_find`, of a corner at the same place and depth, whatever its colours."""
+def _find_corner(ring: Ints, count: int, point: Ints, colours: int) -> tuple[int, int]:
+    """As :func:`_find`, of a corner, and of one at the same place and depth, whatever its colours."""
+    there = -1
     for age in range(min(count, _RING - 3)):
-        place = (count - 1 - age) % _RING
-        same = ring[place, 0] == point[0] and ring[place, 1] == point[1]
-        if same and _equal(ring[place, 2 + colours :], point[2 + colours :]):
-            return place
-    return -1
+        place = (count - 1 - age) & (_RING - 1)
+        # Most differ in x already.
+        if ring[place, 0] != point[0] or ring[place, 1] != point[1]:
+            continue
+        if _equal(ring[place, 2 + colours :], point[2 + colours :]):
+            if _equal(ring[place, 2 : 2 + colours], point[2 : 2 + colours]):
+                return place, place
+            if there < 0:
+                there = place
+    return -1, there
 
 
 @njit(cache=True)
@@ -106,12 +138,13 @@ def _corner(
     tables: _Tables, point: Ints, base: Ints, colours: int, slot: int, tokens: Tokens, at: int
 ) -> int:
     """Name a corner or send it; its place is then ``tables.at[slot]``."""
-    place = _find(tables.corners, tables.counts[0], point)
+    place, there = -1, -1
+    if tables.corners_by[_bucket(point, 2)]:
+        place, there = _find_corner(tables.corners, tables.counts[0], point, colours)
     if place >= 0:
         tables.at[slot] = place
         at = _token(tokens, at, BITS, np.int64(0), 1)
         return _token(tokens, at, BITS, np.int64(place), 6)
-    there = _find_place(tables.corners, tables.counts[0], point, colours)
     if there >= 0:
         at = _token(tokens, at, BITS, np.int64(0b11), 2)
         at = _token(tokens, at, BITS, np.int64(there), 6)
@@ -126,8 +159,7 @@ def _corner(
         before = left
     if there < 0 and len(point) > 2 + colours:
         at = _token(tokens, at, DEPTH, point[2 + colours] - base[2 + colours], 0)
-    place = tables.counts[0] % _RING
-    tables.corners[place] = point
+    place = _put_in(tables.corners, tables.corners_by, tables.counts[0], point, 2)
     tables.counts[0] += 1
     tables.at[slot] = place
     return at
@@ -138,7 +170,9 @@ def _middle(
     tables: _Tables, point: Ints, first: Ints, second: Ints, slot: int, tokens: Tokens, at: int
 ) -> int:
     """Name a middle or send it; its place is then ``tables.middles_at[slot]``."""
-    place = _find(tables.middles, tables.counts[1], point)
+    place = -1
+    if tables.middles_by[_bucket(point, len(point))]:
+        place = _find(tables.middles, tables.counts[1], point)
     if place >= 0:
         tables.middles_at[slot] = place
         at = _token(tokens, at, BITS, np.int64(0), 1)
@@ -149,8 +183,7 @@ def _middle(
         left = point[index] - ((first[2 + index] + second[2 + index]) >> 1)
         at = _token(tokens, at, MIDDLE, left - before, 0)
         before = left
-    place = tables.counts[1] % _RING
-    tables.middles[place] = point
+    place = _put_in(tables.middles, tables.middles_by, tables.counts[1], point, len(point))
     tables.counts[1] += 1
     tables.middles_at[slot] = place
     return at
@@ -197,32 +230,37 @@ def _swap(places: Ints, first: int, second: int) -> None:
 
 
 @njit(cache=True)
-def _settle(tables: _Tables) -> None:
-    """The order in which the board keeps the corners: by y, then round with the area above 0."""
+def _settle(tables: _Tables, order: Ints) -> None:
+    """Corners, and ``order``, as the board keeps them: by y, then round with the area above 0."""
     at, middles = tables.at, tables.middles_at
     for step in range(3):
         low = step % 2
         if tables.corners[at[low + 1], 1] < tables.corners[at[low], 1]:
             _swap(at, low, low + 1)
+            _swap(order, low, low + 1)
             _swap(middles, 1 - low, 2 - low)
     one, two, three = tables.corners[at[0]], tables.corners[at[1]], tables.corners[at[2]]
     area = (two[0] - one[0]) * (three[1] - one[1]) - (three[0] - one[0]) * (two[1] - one[1])
     if area < 0:
         _swap(at, 1, 2)
+        _swap(order, 1, 2)
         _swap(middles, 0, 1)
 
 
 @njit(cache=True)
-def tokens_of(points: Points, tokens: Tokens) -> int:
+def tokens_of(points: Points, tokens: Tokens, settled: Ints) -> int:
     """
     What the line carries for all primitives, written; how many tokens that are.
 
-    Where primitives are packed words, a token of kind ``RUN`` with their number stands for a run of them.
+    ``settled`` (n, 3) gets the corners of each that is sent, in the order in which the board keeps them. Where
+    primitives are packed words, a token of kind ``RUN`` with their number stands for a run of them.
     """
     width, colours = points.corners.shape[2], points.middles.shape[2]
     tables = _Tables(
         np.zeros((_RING, width), np.int64),
         np.zeros((_RING, colours), np.int64),
+        np.zeros(_BUCKETS, np.int64),
+        np.zeros(_BUCKETS, np.int64),
         np.zeros(2, np.int64),
         np.zeros(3, np.int64),
         np.zeros(3, np.int64),
@@ -265,7 +303,8 @@ def tokens_of(points: Points, tokens: Tokens) -> int:
             for slot in range(2):
                 place = _pair(order[slot], order[2])
                 at = _middle(tables, middles[place], corners[order[slot]], third, slot + 1, tokens, at)
-        _settle(tables)
+        _settle(tables, order)
+        settled[p] = order
         begun, was_quadratic = True, quadratic
     if run:
         at = _token(tokens, at, RUN, np.int64(run), 0)
