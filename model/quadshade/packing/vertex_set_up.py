@@ -3,8 +3,8 @@
 What a board with ``vertex_unpacker`` makes of triangles' corners and middles, without running its program.
 
 The same whole numbers as those of ``contract/vertex_text.py``, bit for bit, in a tenth of the time: a packer
-has to know what each triangle becomes before it sends it. Sums and products wrap at 64 bits where the board's do
-at 50, so what they give is cut to 50 bits before it is shifted right or divided.
+has to know what each triangle becomes before it sends it. Sums and products wrap at 64 bits where the
+board's do at 50, so what they give is cut to 50 bits before it is shifted right or divided.
 """
 
 from __future__ import annotations

@@ -252,8 +252,8 @@ def tokens_of(points: Points, tokens: Tokens, settled: Ints) -> int:
     """
     What the line carries for all primitives, written; how many tokens that are.
 
-    ``settled`` (n, 3) gets the corners of each that is sent, in the order in which the board keeps them. Where
-    primitives are packed words, a token of kind ``RUN`` with their number stands for a run of them.
+    ``settled`` (n, 3) gets the corners of each that is sent, in the order in which the board keeps them. Of
+    those that are packed words, a token of kind ``RUN`` with their number stands for a run of them.
     """
     width, colours = points.corners.shape[2], points.middles.shape[2]
     tables = _Tables(
