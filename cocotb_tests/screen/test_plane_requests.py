@@ -117,6 +117,7 @@ class Reader:
             dut.read_data_ready.value = int(takes)
             await self.cycle()
             bench.check("held amid", bool(dut.held.value), True)
+            bench.check("resting amid", bool(dut.resting.value), False)
             if takes and dut.read_data_valid.value:
                 got.append(int(dut.read_data.value))
         dut.read_data_ready.value = 0
@@ -124,6 +125,7 @@ class Reader:
             bench.check("bytes", bytes(got), self.expected(area)[0], None, area)
             await self.cycle()
             bench.check("a byte more", bool(dut.read_data_valid.value), False)
+            bench.check("area stopped behind its last byte", self.offers is None, True)
 
     async def frame_crc(self, plane: int) -> None:
         """A plane's CRC."""
@@ -134,6 +136,7 @@ class Reader:
         while not dut.frame_crc_done.value:
             await self.cycle()
             bench.check("no byte of a CRC", bool(dut.read_data_valid.value), False)
+        bench.check("area stopped before its CRC", self.offers is None, True)
         area = whole_plane(config.width, config.height, plane, config.pixel_bytes[plane])
         bench.check("CRC", int(dut.frame_crc_value.value), self.expected(area)[1], None, area)
 

@@ -118,9 +118,11 @@ class Reader:
             self.sink.held = None
             await self.cycle()
             bench.check("a word after the stop", bool(dut.word_valid.value), False)
+            bench.check("a run after the stop", bool(dut.run_valid.value), False)
             while not dut.idle.value:
                 await self.cycle()
                 bench.check("a word after the stop", bool(dut.word_valid.value), False)
+                bench.check("a run after the stop", bool(dut.run_valid.value), False)
         else:
             bench.check_all("word", got, words)
             bench.check_all("run", self.memory.runs, runs)
