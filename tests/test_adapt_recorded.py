@@ -111,6 +111,9 @@ def assessed() -> dict[str, Any]:
     }
     # An exponent between whole ones.
     shaders["between"] = CosineShader(LIGHTS, Material(exponent=5.5), cosines, whole)
+    # Highlights that are nearly nothing, which need no polynomial.
+    dull, one_light = Material(specular=(0.001,) * 3, exponent=5), LIGHTS[:2]
+    shaders["dull"] = CosineShader(one_light, dull, specular_formats({}, whole, one_light, dull), whole)
     found = {}
     for name, shader in shaders.items():
         surface = shader.surface(whole)
