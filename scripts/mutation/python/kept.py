@@ -44,6 +44,13 @@ def _found(entry: dict[str, str]) -> Mutant | None:
     return None
 
 
+def _is_there(test: str) -> bool:
+    """Whether a test is still in the file that it was in."""
+    name, _, function = test.partition("::")
+    path = ROOT / name
+    return bool(function) and path.exists() and f"def {function.split('[')[0]}(" in path.read_text()
+
+
 def recorded(seed: int) -> Iterator[tuple[Mutant, str]]:
     """Killed mutants in an order that the seed repeats, each with the test that killed it."""
 
@@ -52,11 +59,10 @@ def recorded(seed: int) -> Iterator[tuple[Mutant, str]]:
         return hashlib.sha256("\0".join(text).encode()).digest()
 
     for entry in sorted(json.loads(NUMBERS.read_text())["mutants"], key=rank):
-        name = entry["test"].split("::")[0]
         # What a loop that is left out should have written may be what an array of np.empty holds by chance.
         if entry["state"] != "killed" or entry["operator"] == "ZeroIterationForLoop":
             continue
-        if "::" in entry["test"] and (ROOT / name).exists():
+        if _is_there(entry["test"]):
             mutant = _found(entry)
             if mutant:
                 yield mutant, entry["test"]
