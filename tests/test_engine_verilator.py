@@ -17,7 +17,14 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.engine import default_engine, draw_words
 from quadshade.engine.netlist import RENDER_TOP, write_netlist
 from quadshade.engine.simplify_netlist import fold
-from quadshade.engine.verilator import build_verilator, draw_verilator, missing_program, verilator_available
+from quadshade.engine.tool_runner import run_tool, tool_command
+from quadshade.engine.verilator import (
+    VERILATOR_OPTIONS,
+    build_verilator,
+    draw_verilator,
+    missing_program,
+    verilator_available,
+)
 from quadshade.errors import QuadshadeError
 from quadshade.golden.compiled import EmittedPixels
 from quadshade.golden.shade import render_core
@@ -214,3 +221,12 @@ def test_fold_finds_the_enables_of_the_core() -> None:
     folded = fold(netlist)
     assert netlist.count("if (") == 0 and folded.count("    if (") > 50
     assert "always @*" not in folded and "moves[" not in folded
+
+
+@needs_verilator
+def test_a_unit_that_boards_rarely_have_is_clean(tmp_path: Path) -> None:
+    """Verilator refuses a netlist with a warning; no other test compiles a board with vertices."""
+    path = tmp_path / "vertex_unpacker.v"
+    path.write_text(fold(write_netlist({}, "vertex_unpacker").read_text()))
+    options = [option for option in VERILATOR_OPTIONS if option not in ("--cc", "--exe", "--build")]
+    run_tool([*tool_command("VERILATOR"), "--lint-only", *options, path], tmp_path)

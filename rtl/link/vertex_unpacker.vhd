@@ -251,7 +251,7 @@ begin
 
       if fetch = '1' then
         code <= code_next;
-        computes <= is_in(operation_next, do_ld, do_shr);
+        computes <= not is_in(operation_next, do_put, do_ret);
         shifts <= is_in(operation_next, do_shl, do_shr);
         reads <= is_in(operation_next, do_get, do_ones);
         tells <= is_in(operation_next, do_ones, do_ones);
