@@ -128,16 +128,16 @@ def golden_model(count: int, repeats: int) -> dict:
     }
 
 
-def peak_memory(stacks: int, slices: int) -> dict:
-    """Peak resident memory and wall-clock seconds of ``quadshade render``, every face drawn."""
+def peak_memory(stacks: int, slices: int, *options: str) -> dict:
+    """Peak resident memory, wall-clock and processor seconds of ``quadshade render``, every face drawn."""
     program = (
-        "import resource\nfrom quadshade.cli.main import main\n"
-        "try: main()\nfinally: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+        "import resource, time\nfrom quadshade.cli.main import main\n"
+        "try: main()\nfinally: print(time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )
     scene, size = f"sphere:{stacks}x{slices}", f"{SCREEN}x{SCREEN}"
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-c", program, "render", scene, "-o", f"{folder}/out.png"]
-        command += ["--engine", "model", "--size", size, "--no-cull"]
+        command += ["--engine", "model", "--size", size, "--no-cull", *options]
         start = time.perf_counter()
         done = run_to_end(command, ROOT)
         seconds = time.perf_counter() - start
@@ -148,6 +148,8 @@ def peak_memory(stacks: int, slices: int) -> dict:
         "triangles": 2 * slices * (stacks - 1),
         "gibibytes": int(done.stdout.split()[-1]) / 2**20,
         "seconds": seconds,
+        "processor_seconds": float(done.stdout.split()[-2]),
+        "notices": done.stderr.strip().splitlines(),
     }
 
 
