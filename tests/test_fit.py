@@ -339,6 +339,11 @@ def test_what_is_too_large_to_be_factorised_is_drawn(monkeypatch: pytest.MonkeyP
     assert np.abs(stepped.triangles.samples - parts.triangles.samples).max() < 2
     before, after = (errors(projected, six), errors_of_parts(projected, stepped))
     assert (after**2).mean() < 1.6 * (before**2).mean()
+    monkeypatch.setattr(fits, "MOST_SPLIT", 10)
+    whole = fit_scene(projected, six, "c1", material=SHARP)
+    assert len(whole.notes) == 1 and "too many for c1" in whole.notes[0]
+    assert len(whole.triangles) == len(six)
+    assert (errors(projected, whole.triangles) ** 2).mean() < (before**2).mean()
 
 
 def errors_of_parts(projected, fitted) -> np.ndarray:

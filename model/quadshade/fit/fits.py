@@ -31,6 +31,10 @@ WEIGHTED = {"minimax": smallest_peak, "least-squares": lower_peaks}
 """What makes the largest error of a fit smaller."""
 
 
+MOST_SPLIT = 1_000_000
+"""Values of a mesh that ``c1`` splits; more take minutes and gigabytes."""
+
+
 class _UnshadedError(Exception):
     """Phong shading has no colour for some place: a reflectance of the user's own."""
 
@@ -155,8 +159,14 @@ def fit_scene(
     colours = replace(triangles, samples=triangles.samples[:, :3], orders=triangles.orders[:, :3])
     elements = shared_elements(colours)
     largest = 2.0**formats.value_bits - 1
+    most = {"smooth": solve.MOST_FACTORISED, "c1": MOST_SPLIT}.get(fit, np.inf)
+    large: tuple[str, ...] = ()
+    split = fit == "c1" and anything_seen(projected, jump, formats)
+    if len(elements.start) > most and (split or fit == "smooth"):
+        large = (f"fit: drawn by least squares: {len(elements.start)} values are too many for {fit}",)
+        split, fit = False, "least-squares" if fit == "smooth" else fit
     try:
-        if fit == "c1" and anything_seen(projected, jump, formats):
+        if split:
             asked = Target(
                 lambda drawn: sample(drawn, lights=lights, material=material, formats=formats), target
             )
@@ -168,10 +178,6 @@ def fit_scene(
         return Fitted(triangles, projected, whole, (f"fit: drawn through six points: {reason}",))
     beyond = held_beyond(projected, formats) if places == "pixels" else np.zeros(len(projected))
     system = Weighted(elements, here, colour, beyond, 0, largest)
-    large: tuple[str, ...] = ()
-    if fit == "smooth" and len(elements.start) > solve.MOST_FACTORISED:
-        large = (f"fit: drawn by least squares: {len(elements.start)} values are too many for {fit}",)
-        fit = "least-squares"
     if fit == "smooth":
         solution = system.solve_smooth(smoothness * jump_penalty(elements, projected.vertices, formats))
         values = solution.values
