@@ -123,8 +123,9 @@ what it compares.
 
 ## A million faces
 
-`quadshade render sphere:{LARGE[0]}x{LARGE[1]} --engine model --no-cull --size 1024x1024`, in a process of its own.
-`c1` ends with least squares here: no edge is so long that a jump could be seen.
+`quadshade render sphere:{LARGE[0]}x{LARGE[1]} --engine model --no-cull --size 1024x1024 --fit NAME`, in a
+process of its own.
+Above a million values `c1` is least squares.
 
 {markdown_table(columns, large)}
 """
@@ -132,7 +133,8 @@ what it compares.
 
 def _said(notices: list[str]) -> str:
     """What a fit says of itself on a mesh, without the pipe that would end a table's cell."""
-    about = [line.strip() for line in notices if "fit" in line or "squares" in line]
+    mark = "notice: "
+    about = [line.split(mark, 1)[1] for line in notices if mark in line]
     return "; ".join(about).replace("|", "/") or "none"
 
 
