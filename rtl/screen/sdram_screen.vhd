@@ -6,8 +6,8 @@
 -- pictures with black.
 --
 -- Model: sdram_screen.py.  Test: test_sdram_screen.py.
--- Latency: that of a run from a request to its first byte.  A pixel as sdram_depth_test takes it; a word of
--- what is read in three cycles.
+-- Latency: that of a run from a request to its first byte.  A pixel as sdram_depth_test takes it, a cycle
+-- later; a word of what is read in three cycles.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -116,7 +116,11 @@ architecture rtl of sdram_screen is
   signal drawn : std_ulogic := '1';
   signal filled : std_ulogic := '0';
 
-  signal depth_idle, pixel_taken, pixel_given, empties : std_ulogic;
+  -- A pixel as it is kept: its place, its value, its depth.
+  constant pixel_bits : positive := 2 * coord_bits + word_bits + depth_bits;
+  signal pixel_given, pixel_room, pixel_waits, pixel_taken : std_ulogic;
+  signal pixel_in, pixel_out : std_ulogic_vector(pixel_bits - 1 downto 0);
+  signal depth_idle, empties : std_ulogic;
   signal empty_value, kept_value : u_unsigned(word_bits - 1 downto 0);
   signal depth_valid, depth_ready, depth_write, depth_read : std_ulogic;
   signal depth_place : place_t;
@@ -155,7 +159,7 @@ begin
       & integer'image(chip_bits)
     severity failure;
 
-  free <= depth_idle and filled and reads_idle;
+  free <= depth_idle and not pixel_waits and filled and reads_idle;
   idle <= quiet;
   clear_ready <= quiet;
   swap_ready <= quiet and blank;
@@ -183,7 +187,17 @@ begin
     when filled = '1' and reset = '0' else (others => '0');
   kept_value <= dithered(pixel_value, threshold(pixel_x, pixel_y), colour_bits);
   pixel_given <= pixel_valid and filled and not held;
-  pixel_ready <= pixel_taken and filled and not held;
+  pixel_ready <= pixel_room and filled and not held;
+  pixel_in <= std_ulogic_vector(pixel_x & pixel_y & kept_value & pixel_depth);
+
+  -- What the z-buffer compares decides on its ready: that goes no further within a cycle.
+  pixels_inst : entity work.skid_buffer
+    generic map (data_bits => pixel_bits)
+    port map (
+      clk => clk, reset => reset,
+      input_valid => pixel_given, input_ready => pixel_room, input_data => pixel_in,
+      output_valid => pixel_waits, output_ready => pixel_taken, output_data => pixel_out
+    );
 
   depth_inst : entity work.sdram_depth_test
     generic map (
@@ -193,8 +207,11 @@ begin
     port map (
       clk => clk, reset => reset, plane => drawn, idle => depth_idle,
       clear_valid => empties, clear_ready => open, clear_value => empty_value,
-      pixel_valid => pixel_given, pixel_ready => pixel_taken, pixel_x => pixel_x, pixel_y => pixel_y,
-      pixel_value => kept_value, pixel_depth => pixel_depth,
+      pixel_valid => pixel_waits, pixel_ready => pixel_taken,
+      pixel_x => unsigned(pixel_out(pixel_bits - 1 downto pixel_bits - coord_bits)),
+      pixel_y => unsigned(pixel_out(pixel_bits - coord_bits - 1 downto word_bits + depth_bits)),
+      pixel_value => unsigned(pixel_out(word_bits + depth_bits - 1 downto depth_bits)),
+      pixel_depth => unsigned(pixel_out(depth_bits - 1 downto 0)),
       run_valid => depth_valid, run_ready => depth_ready, run_write => depth_write,
       run_address => depth_place, run_more => depth_more, read_valid => depth_read, read_data => read_word,
       write_next => write_next, write_keep => write_keep, write_data => write_data
