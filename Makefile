@@ -48,7 +48,7 @@ report: setup ## what accuracy costs, as a page: build/report/index.html; goes o
 .venv/installed: requirements.txt pyproject.toml | tools
 	@echo "setup: installing the pinned Python packages into .venv"
 	@$(PYTHON) -m venv .venv
-	@$(VENV) -m pip install -q --disable-pip-version-check -r requirements.txt
+	@$(VENV) -m pip install -q --no-compile --disable-pip-version-check -r requirements.txt
 	@$(VENV) -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 

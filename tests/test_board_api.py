@@ -146,10 +146,11 @@ def test_grey_and_without_depth_say_so() -> None:
     assert any("grey" in text for text in told)
 
 
-@pytest.mark.parametrize(("rate", "scene"), [(1e-3, "sphere:168"), (1e-2, "sphere:2x3")])
-def test_a_damaged_line_costs_time_only(rate: float, scene: str) -> None:
-    with Board("sim", settings=SMALL, engine="model", faults=(rate, 3), answer_seconds=0.05) as board:
-        board.draw(seen(scene, board.host_formats))
+@pytest.mark.parametrize(("rate", "size"), [(1e-3, (48, 32)), (1e-2, (16, 12))])
+def test_a_damaged_line_costs_time_only(rate: float, size: tuple[int, int]) -> None:
+    settings = BoardSettings(Formats(), *size)
+    with Board("sim", settings=settings, engine="model", faults=(rate, 3), answer_seconds=0.05) as board:
+        board.draw(seen("sphere:168", board.host_formats, size))
         board.read()
         assert board.statistics["resent"] > 0
 

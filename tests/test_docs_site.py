@@ -153,7 +153,7 @@ def test_pages_are_readable(browser: webdriver.Chrome, address: str, pages: dict
             browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
             # The menus take a moment to fold.
             with contextlib.suppress(TimeoutException):
-                WebDriverWait(browser, 3).until(
+                WebDriverWait(browser, 3, poll_frequency=0.05).until(
                     lambda opened, most=width: opened.execute_script(WIDE) <= most
                 )
                 continue

@@ -179,7 +179,8 @@ async def scenes(dut: Any) -> None:
         size = (identity["screen_width"], identity["screen_height"], plane_bytes(identity))
         swaps = knows(identity, Opcode.SWAP)
         bench.check("buffers and colours", (swaps + 1, colour_bits(identity)), bench.config.picture_memory)
-        for index, count in enumerate((4, 2)):
+        # A triangle is set up from its vertices in thousands of clocks.
+        for index, count in enumerate((2, 1) if bench.config.with_vertices else (4, 2)):
             colour = bench.bits(32)
             words = scene_words(bench, count)
             session.clear(colour)

@@ -93,7 +93,7 @@ class Surface:
         from trimesh.triangles import closest_point
 
         corners = self.corners[faces]
-        nearest = np.asarray(closest_point(corners, points))  # type: ignore[no-untyped-call]
+        nearest = np.asarray(closest_point(corners, points))
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         way = nearest - corners[:, 0]
         a, b, c = (
