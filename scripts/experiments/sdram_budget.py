@@ -333,8 +333,8 @@ def report(results: dict) -> str:
         with the depth in it. Both clears are added to the last, and showing the picture is taken off the
         memory's time. The last two columns are no calculation: clocks that the simulated board,
         `sim:{BOARD}`, was busy with a clear and the picture, its monitor on, and pictures a second at
-        {HERTZ // 1_000_000} MHz on a line that is fast enough. Of those, runs differ by up to a tenth of a per
-        cent: the host's commands come at any moment of the monitor's frame.
+        {HERTZ // 1_000_000} MHz on a line that is fast enough. Of those, runs differ by up to a tenth of a
+        per cent: the host's commands come at any moment of the monitor's frame.
     """
     return f"""\
 {LICENCE}
