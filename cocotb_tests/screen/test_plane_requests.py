@@ -60,6 +60,12 @@ class Reader:
         self.offers: StreamSource | None = None
         self.pixels: list[tuple[int, int]] = []
         self.areas: list[Area] = []
+        self.standing: Area | None = None
+
+    def area_at_ports(self) -> Area:
+        """Of which pixels are asked for."""
+        place = (int(getattr(self.dut, f"area_{name}").value) for name in ("x", "y", "width"))
+        return Area(*place, 0, int(self.dut.area_plane.value))
 
     async def cycle(self) -> None:
         """One clock; pixels come from the one behind an area's start until it is stopped."""
@@ -69,15 +75,17 @@ class Reader:
         await bench.edge()
         if self.offers:
             self.offers.sample(bench.cycle)
+        if self.standing is not None:
+            bench.check("area that stands", self.area_at_ports(), self.standing)
         if dut.area_start.value:
-            place = (int(getattr(dut, f"area_{name}").value) for name in ("x", "y", "width"))
-            self.areas.append(Area(*place, 0, int(dut.area_plane.value)))
+            self.standing = self.area_at_ports()
+            self.areas.append(self.standing)
             bits = 8 * (config.num_channels + config.depth_bytes)
             self.pixels = [(bench.bits(bits), bench.bits(8 * EDGE_BYTES)) for _ in range(80)]
             inputs = [dut.pixel_data, dut.pixel_edges]
             self.offers = StreamSource(dut.pixel_valid, dut.pixel_ready, inputs, self.pixels, self.go)
         if dut.area_stop.value:
-            self.offers = None
+            self.offers, self.standing = None, None
             dut.pixel_valid.value = 0
 
     async def ask(self, name: str) -> None:
@@ -141,9 +149,12 @@ class Reader:
         bench.check("CRC", int(dut.frame_crc_value.value), self.expected(area)[1], None, area)
 
     def any_area(self) -> Area:
-        """Within the screen."""
+        """Within the screen, or with any numbers that the ports hold: what is on the screen others know."""
         draw, config = self.bench.draw, self.bench.config
         plane = draw.choice([number for number, size in enumerate(config.pixel_bytes) if size])
+        if self.bench.chance(0.3):
+            place = (self.bench.bits(config.coord_bits + more) for more in (0, 0, 1))
+            return Area(*place, draw.randint(1, min(60, 4 * config.width * config.height)), plane)
         x = draw.randrange(config.width)
         width = draw.randint(1, config.width - x)
         y = draw.randrange(config.height)
@@ -151,12 +162,18 @@ class Reader:
         return Area(x, y, width, draw.choice((1, most, draw.randint(1, most))), plane)
 
     async def some(self, count: int) -> None:
-        """Requests of both kinds."""
-        for _ in range(count):
-            if self.bench.chance(0.5):
+        """Requests of both kinds, as many of either; then none."""
+        bench, begin = self.bench, self.bench.draw.randrange(2)
+        kinds = [(begin + index) % 2 for index in range(count)]
+        bench.draw.shuffle(kinds)
+        for kind in kinds:
+            if kind:
                 await self.read(self.any_area())
             else:
                 await self.frame_crc(self.any_area().plane)
+        while not self.dut.resting.value:
+            await self.cycle()
+        bench.check("not held while nothing is asked", bool(self.dut.held.value), False)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
