@@ -9,6 +9,7 @@ read is compared with what was written, in the order in which the runs were acce
 from __future__ import annotations
 
 import dataclasses
+import subprocess
 from collections import deque
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,7 +21,7 @@ import pytest
 from cocotb_tests.support.bench import SPEEDS, Bench
 from cocotb_tests.support.resets import at_random
 from cocotb_tests.support.sdram import ChipPins
-from cocotb_tests.support.simulation import identifier, simulate
+from cocotb_tests.support.simulation import STANDARD, elaborated, identifier, simulate
 from quadshade.golden.common.sdram_chip import CHIPS, Command, Pins, SdramChip
 from quadshade.golden.common.sdram_controller import Run, SdramController, SdramGenerics
 
@@ -57,6 +58,20 @@ def test_sdram_controller(config: Config) -> None:
     simulate("sdram_controller", config)
 
 
+@pytest.mark.parametrize(("clocks", "code"), [(0, 1), (1, 0)])
+def test_refuses_refreshes_too_near(clocks: int, code: int) -> None:
+    """Between two of them there is room for the longest run, from its request on, and a refresh."""
+    config = Config(**FAST)
+    longest = 1 + config.run_clocks(config.run_words, True) + config.rfc_clocks
+    command = ["ghdl", "-r", STANDARD, "sdram_controller", "--stop-time=1ns"]
+    command += [f"-grun_words={config.run_words}", f"-grefresh_clocks={longest + clocks}"]
+    command += [f"-g{name}={value}" for name, value in FAST.items()]
+    library = elaborated("sdram_controller")
+    done = subprocess.run(command, cwd=library, capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stdout
+    assert ("must be longer than the longest run and a refresh" in done.stdout + done.stderr) == bool(code)
+
+
 def chip_of(config: Config) -> SdramChip:
     """The chip whose times the configuration's clocks are; its rows are few, and refreshed so often."""
     frequency = 50e6 if config.rcd_clocks == 1 else 100e6
@@ -73,15 +88,16 @@ def chip_of(config: Config) -> SdramChip:
 class Port:
     """One of both that ask: a request stands until it is accepted."""
 
-    def __init__(self, bench: Bench, name: str, go: Any) -> None:
+    def __init__(self, bench: Bench, name: str, go: Any, rows: int) -> None:
         self.bench, self.dut, self.name, self.go = bench, bench.dut, name, go
+        self.rows = rows
         self.wanted: Run | None = None
 
     def drive(self) -> None:
         """Set the signals for the next edge; what nobody asks for is anything."""
         bench, config = self.bench, self.bench.config
         if self.wanted is None:
-            row, bank = bench.draw.randrange(ROWS), bench.draw.randrange(1 << config.bank_bits)
+            row, bank = bench.draw.randrange(self.rows), bench.draw.randrange(1 << config.bank_bits)
             # Two columns in most runs are the same, and some runs go over the row's end.
             column = bench.draw.choice((0, 1, (1 << config.column_bits) - 2, bench.bits(config.column_bits)))
             address = (row << config.bank_bits | bank) << config.column_bits | column
@@ -111,13 +127,13 @@ def used(pins: Pins) -> Pins:
 
 
 class Traffic:
-    """Two ports, the model, the chip, and what should be read."""
+    """Two ports, the model, the chip, and what should be read; runs are in the first so many rows."""
 
-    def __init__(self, bench: Bench, speed: str) -> None:
+    def __init__(self, bench: Bench, speed: str, rows: int = ROWS) -> None:
         self.bench, self.dut, self.config = bench, bench.dut, bench.config
         self.chip, self.pins = chip_of(self.config), ChipPins(bench)
         self.model = SdramController(self.config)
-        self.ports = [Port(bench, name, SPEEDS[speed](bench.draw)) for name in ("first", "second")]
+        self.ports = [Port(bench, name, SPEEDS[speed](bench.draw), rows) for name in ("first", "second")]
         self.words: dict[int, int] = {}
         self.unwritten: deque[int] = deque()
         self.unread: tuple[deque[int | None], ...] = (deque(), deque())
@@ -193,17 +209,13 @@ class Traffic:
             self.unwritten.clear()
 
 
-async def begin(dut: Any, test: str, speed: str) -> Traffic:
-    bench = Bench(dut, Config, f"{test} {speed}")
-    await bench.start(*INPUTS)
-    return Traffic(bench, speed)
-
-
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(speed=list(SPEEDS))
 async def every_cycle(dut: Any, speed: str) -> None:
-    traffic = await begin(dut, "every_cycle", speed)
-    config, bench, chip = traffic.config, traffic.bench, traffic.chip
+    bench = Bench(dut, Config, f"every_cycle {speed}")
+    await bench.start(*INPUTS)
+    traffic = Traffic(bench, speed)
+    config, chip = bench.config, traffic.chip
     begins = config.refresh_clocks * config.power_up_refreshes
     if speed == "throttled":
         await traffic.power_up(begins - 10)
@@ -221,12 +233,15 @@ async def every_cycle(dut: Any, speed: str) -> None:
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def resets(dut: Any) -> None:
-    """In any cycle, also amid the order after power-up; the chip finds nothing wrong with it."""
-    traffic = await begin(dut, "resets", "throttled")
-    config, bench = traffic.config, traffic.bench
+    """In any cycle, also amid the order after power-up; the chip, with all its rows, finds nothing wrong."""
+    bench = Bench(dut, Config, "resets throttled")
+    await bench.start(*INPUTS)
+    config = bench.config
+    traffic = Traffic(bench, "throttled", 1 << config.row_bits)
     begins = config.refresh_clocks * config.power_up_refreshes + 8 * config.rfc_clocks
     resets_now = at_random(bench.draw, 3 * begins)
-    traffic.chip.timing = dataclasses.replace(traffic.chip.timing, t_ref=1e9)
+    timing = dataclasses.replace(traffic.chip.timing, rows=1 << config.row_bits, t_ref=1e9)
+    traffic.chip.timing = timing
     for index in range(2000):
         await traffic.cycle(index, next(resets_now))
     bench.check("traffic came", traffic.runs > 10, True)
