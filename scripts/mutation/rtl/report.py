@@ -18,7 +18,7 @@ from scripts.mutation.rtl.clean import usual_seconds
 from scripts.mutation.rtl.results import NUMBERS, Result, publishable
 from scripts.mutation.rtl.run_text import digest_of, own_units
 
-REVIEWED = [Path(__file__).with_name(f"reviewed{kind}.toml") for kind in ("", "_netlist")]
+REVIEWED = [Path(__file__).with_name(f"reviewed{kind}.toml") for kind in ("", "_netlist", "_netlist_link")]
 HEADER = (
     "unit", "text", "netlist", "killed by its bench", "by one above", "equivalent, proved", "argued", "alive",
     "score, 95 % interval", "since",
@@ -241,7 +241,7 @@ def section(
     if known:
         parts += [
             "### Equivalent by argument",
-            "From `reviewed.toml` and `reviewed_netlist.toml` in `scripts/mutation/rtl`.",
+            "From `reviewed.toml` and `reviewed_netlist*.toml` in `scripts/mutation/rtl`.",
             _listed(known, argued),
         ]
     proofs = [result for result in results if result.verdict == "equivalent"]
