@@ -37,10 +37,11 @@ entity quadshade_axis is
     aclk : in std_ulogic;
     aresetn : in std_ulogic;
 
-    -- tlast is not there: a packet says itself how long it is.
     s_axis_setup_tvalid : in std_ulogic;
     s_axis_setup_tready : out std_ulogic;
     s_axis_setup_tdata : in std_ulogic_vector(stream_width - 1 downto 0);
+    -- What follows begins a packet; low throughout is right too, for a packet says itself how long it is.
+    s_axis_setup_tlast : in std_ulogic := '0';
 
     m_axis_pixel_tvalid : out std_ulogic;
     m_axis_pixel_tready : in std_ulogic;
@@ -90,7 +91,7 @@ architecture rtl of quadshade_axis is
   constant okay : std_ulogic_vector(1 downto 0) := "00";
   constant slave_error : std_ulogic_vector(1 downto 0) := "10";
 
-  signal reset, core_idle : std_ulogic;
+  signal reset, core_idle, packet_cut : std_ulogic;
   signal pixel_valid, pixel_taken, pixel_last : std_ulogic;
   signal pixel_x, pixel_y : u_unsigned(coord_bits - 1 downto 0);
   signal pixel_value : u_unsigned(channels * value_bits - 1 downto 0);
@@ -107,7 +108,8 @@ architecture rtl of quadshade_axis is
   signal read_reg : std_ulogic := '0';
   signal read_error_reg : std_ulogic := '0';
   signal read_data_reg : u_unsigned(axi_data_bits - 1 downto 0) := (others => '0');
-  signal primitives_reg, pixels_reg : u_unsigned(axi_data_bits - 1 downto 0) := (others => '0');
+  signal primitives_reg, pixels_reg, cut_packets_reg : u_unsigned(axi_data_bits - 1 downto 0)
+    := (others => '0');
 
 begin
 
@@ -125,12 +127,12 @@ begin
       word_width => word_width, frac_bits => frac_bits, value_bits => value_bits, depth_bits => depth_bits,
       subpixel_bits => subpixel_bits, coord_bits => coord_bits, stream_width => stream_width,
       span_depth => span_depth, with_shade => with_shade, num_specular => num_specular,
-      shade_guard_bits => shade_guard_bits
+      shade_guard_bits => shade_guard_bits, with_last => 1
     )
     port map (
       clk => aclk, reset => reset,
       setup_valid => s_axis_setup_tvalid, setup_ready => s_axis_setup_tready,
-      setup_data => s_axis_setup_tdata,
+      setup_data => s_axis_setup_tdata, setup_last => s_axis_setup_tlast, setup_cut => packet_cut,
       state_valid => state_valid, state_ready => state_ready, state_address => state_address,
       state_data => s_axil_wdata,
       pixel_valid => pixel_valid, pixel_ready => m_axis_pixel_tready, pixel_last => pixel_last,
@@ -176,10 +178,14 @@ begin
           primitives_reg <= primitives_reg + 1;
         end if;
       end if;
+      if packet_cut = '1' then
+        cut_packets_reg <= cut_packets_reg + 1;
+      end if;
       if reset = '1' then
         first_reg <= '1';
         pixels_reg <= (others => '0');
         primitives_reg <= (others => '0');
+        cut_packets_reg <= (others => '0');
       end if;
     end if;
   end process;
@@ -233,6 +239,8 @@ begin
           value := primitives_reg;
         elsif offset = register_pixels then
           value := pixels_reg;
+        elsif offset = register_cut_packets then
+          value := cut_packets_reg;
         else
           known := '0';
           for index in generics'range loop

@@ -12,7 +12,9 @@ import pytest
 from quadshade.contract.axis import GENERICS_FIRST, REGISTERS_FIRST
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import colour_state
+from quadshade.errors import QuadshadeError
 from quadshade.golden.core.raster_core import EmittedPixel
+from quadshade.golden.core.setup_loader import packet_beats
 from quadshade.golden.quadshade_axis import QuadshadeAxis, pixel_data
 from quadshade.golden.shade.render_core import draw_scalar
 from quadshade.setup.packet import pack
@@ -49,13 +51,41 @@ def test_pixels_come_by_primitive_and_are_counted(formats: Formats) -> None:
         assert list(chain(*frames)) == expected and len(frames) == len(primitives) and all(frames)
         assert unit.read(REGISTERS_FIRST + 8) == (times * len(frames), True)
         assert unit.read(REGISTERS_FIRST + 12) == (times * len(expected), True)
-    unit.counters = {"primitives": 2**32 - 1, "pixels": 2**32 - 1}
+    unit.counters = {"primitives": 2**32 - 1, "pixels": 2**32 - 1, "cut_packets": 2**32 - 1}
     unit.draw(words)
-    assert unit.counters == {"primitives": len(frames) - 1, "pixels": len(expected) - 1}
+    assert unit.counters == {
+        "primitives": len(frames) - 1,
+        "pixels": len(expected) - 1,
+        "cut_packets": 2**32 - 1,
+    }
     unit.reset()
-    assert unit.counters == {"primitives": 0, "pixels": 0}
+    assert unit.counters == {"primitives": 0, "pixels": 0, "cut_packets": 0}
     assert list(chain(*unit.draw(words))) == expected, "the shade unit's state stays"
     assert unit.draw([]) == []
+
+
+@pytest.mark.parametrize("formats", [Formats(), Formats(stream_width=128), SHADED], ids=repr)
+def test_a_cut_packet_draws_nothing_and_is_counted(formats: Formats) -> None:
+    """By every length that a packet can be cut to; what stands around it is drawn as without it."""
+    primitives = setup_triangles(triangles_of(formats, np.random.default_rng(4), 7, 16), formats)
+    words, width, packets = pack(primitives, formats).tolist(), formats.beat_words, []
+    while words:
+        size = packet_beats(words[0], formats) * width
+        packets.append(words[:size])
+        words = words[size:]
+    first, cut, last = packets[:3]
+    expected = QuadshadeAxis(formats).draw(first + last)
+    for beats in range(1, len(cut) // width + 1):
+        words = first + cut[: beats * width] + last
+        lasts = [False] * (len(words) // width)
+        lasts[len(first) // width + beats - 1] = True
+        unit, whole = QuadshadeAxis(formats), beats * width == len(cut)
+        drawn = unit.draw(words, lasts)
+        assert drawn == (QuadshadeAxis(formats).draw(words) if whole else expected)
+        assert unit.counters["cut_packets"] == (0 if whole else 1)
+        assert unit.read(REGISTERS_FIRST + 16) == (unit.counters["cut_packets"], True)
+    with pytest.raises(QuadshadeError, match="ends within a packet"):
+        unit.draw(words[:-width], lasts[:-1])
 
 
 def test_registers_answer_where_they_are() -> None:
@@ -65,7 +95,7 @@ def test_registers_answer_where_they_are() -> None:
         assert name == list(asdict(SHADED))[index]
         assert unit.read(REGISTERS_FIRST + GENERICS_FIRST + 4 * index) == (value, True)
     end = REGISTERS_FIRST + GENERICS_FIRST + 4 * len(SHADED.generics())
-    for address in (0, 4, REGISTERS_FIRST - 4, REGISTERS_FIRST + 2, REGISTERS_FIRST + 16, end):
+    for address in (0, 4, REGISTERS_FIRST - 4, REGISTERS_FIRST + 2, REGISTERS_FIRST + 20, end):
         assert unit.read(address) == (0, False)
 
 

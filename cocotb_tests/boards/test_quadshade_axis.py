@@ -27,6 +27,7 @@ from cocotb_tests.support.core_run import stimulus
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.axis import GENERICS_FIRST, REGISTERS, REGISTERS_FIRST, pixel_data_bytes
 from quadshade.contract.formats import STATE_REGISTERS, Formats
+from quadshade.golden.core.setup_loader import packet_beats
 from quadshade.golden.quadshade_axis import QuadshadeAxis
 from tests.support.golden_stimuli import triangle_words
 from tests.support.shade_stimuli import random_state
@@ -57,18 +58,25 @@ def test_quadshade_axis(config: Config) -> None:
 
 
 class Axis:
-    """The unit between a stream source, a stream sink and a master, and its model."""
+    """
+    The unit between a stream source, a stream sink and a master, and its model.
 
-    def __init__(self, dut: Any, test: str) -> None:
+    The source gives ``tlast`` with the last beat of what it sends, or with ``tlast`` false never.
+    """
+
+    def __init__(self, dut: Any, test: str, tlast: bool = True) -> None:
         self.dut = dut
         self.bench = Bench(dut, Config, test)
         self.model = QuadshadeAxis(self.bench.config)
         dut.aresetn.value = 0
         Clock(dut.aclk, PERIOD_NS, "ns").start(start_high=False)
         sides = {"reset_active_level": False}
-        self.source = AxiStreamSource(
-            AxiStreamBus.from_prefix(dut, "s_axis_setup"), dut.aclk, dut.aresetn, **sides
-        )
+        self.tlast = tlast
+        setup = AxiStreamBus.from_prefix(dut, "s_axis_setup")
+        if not tlast:
+            dut.s_axis_setup_tlast.value = 0
+            del setup.tlast
+        self.source = AxiStreamSource(setup, dut.aclk, dut.aresetn, **sides)
         self.sink = AxiStreamSink(
             AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, dut.aresetn, **sides
         )
@@ -100,16 +108,38 @@ class Axis:
         """Offer a stream of set-up words."""
         await self.source.send(AxiStreamFrame(words.astype("<u4").tobytes()))
 
+    def cut_frames(self) -> list[np.ndarray]:
+        """What :meth:`words` gives in frames of a few packets, some of which break off, not the last one."""
+        words, frames, draw = self.words(), [], self.bench.draw
+        width = self.bench.config.beat_words
+        while len(words):
+            size = 0
+            for _ in range(draw.randint(1, 3)):
+                packet = 0
+                if size < len(words):
+                    packet = packet_beats(int(words[size]), self.bench.config) * width
+                size += packet
+            breaks = size < len(words) and draw.random() < 0.6
+            kept = draw.randrange(1, size // width) * width if breaks else size
+            frames.append(words[:kept])
+            words = words[size:]
+        return frames
+
     def words(self) -> np.ndarray:
         """Random triangles, packets of nonsense, and a whole triangle behind them, which ends with tlast."""
         last = triangle_words(self.bench.config, self.bench.rng, 7)
         return np.concatenate([stimulus(self.bench, 7), last])
 
-    async def draw(self) -> None:
-        """A stream of set-up words, and every pixel compared, with its tuser and tlast."""
-        words = self.words()
-        expected = self.model.draw(words.tolist())
-        await self.send(words)
+    async def draw(self, frames: list[np.ndarray] | None = None) -> None:
+        """Frames of set-up words, and every pixel compared, with its tuser and tlast."""
+        sent = [self.words()] if frames is None else frames
+        lasts: list[bool] = []
+        for words in sent:
+            beats = len(words) // self.bench.config.beat_words
+            lasts += [False] * (beats - 1) + [self.tlast]
+        expected = self.model.draw(np.concatenate(sent).tolist(), lasts)
+        for words in sent:
+            await self.send(words)
         for frame in expected:
             got = await with_timeout(self.sink.recv(compact=False), 1, "ms")
             size = len(frame[0])
@@ -128,7 +158,7 @@ class Axis:
 
     async def compare_registers(self) -> None:
         """Every register against the model's, and that there are no others beside them."""
-        beside = [16, GENERICS_FIRST - 4, REGISTERS[-1].offset + 4, REGISTERS_FIRST - 4]
+        beside = [20, GENERICS_FIRST - 4, REGISTERS[-1].offset + 4, REGISTERS_FIRST - 4]
         for offset in [*(register.offset for register in REGISTERS), *beside]:
             value, known = self.model.read(REGISTERS_FIRST + offset)
             got = await self.master.read(REGISTERS_FIRST + offset, 4)
@@ -137,7 +167,7 @@ class Axis:
 
     async def compare_counters(self) -> None:
         """The counters alone."""
-        for register in REGISTERS[2:4]:
+        for register in REGISTERS[2:5]:
             got = await self.master.read_dword(REGISTERS_FIRST + register.offset)
             self.bench.check(register.name, got, self.model.counters[register.name])
 
@@ -153,6 +183,33 @@ async def pixels(dut: Any, speed: str) -> None:
     await axis.draw()
     await axis.compare_registers()
     await axis.draw()
+    axis.bench.finish(at_least=60)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(speed=list(SPEEDS))
+async def cut_packets(dut: Any, speed: str) -> None:
+    """A tlast amid a packet: it draws nothing and is counted, and what follows is drawn as without it."""
+    axis = Axis(dut, f"cut_packets {speed}")
+    await axis.reset()
+    axis.pace(axis.source, speed)
+    axis.pace(axis.sink, speed)
+    await axis.load()
+    while axis.model.counters["cut_packets"] < 5:
+        await axis.draw(axis.cut_frames())
+        await axis.compare_counters()
+    axis.bench.finish(at_least=60)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def no_tlast(dut: Any) -> None:
+    """Tied low, tlast changes nothing: packets say themselves how long they are."""
+    axis = Axis(dut, "no_tlast", tlast=False)
+    await axis.reset()
+    await axis.load()
+    for _ in range(2):
+        await axis.draw([axis.words(), axis.words()])
+        await axis.compare_counters()
     axis.bench.finish(at_least=60)
 
 

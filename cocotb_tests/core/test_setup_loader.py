@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up words to packets against the model: fields, channel words, and how many beats a packet takes."""
+"""Set-up words to packets against the model: fields, channel words, how many beats, and which are cut."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cocotb_tests.support.bench import SPEEDS, Bench, StreamSource
 from cocotb_tests.support.resets import reset_amid
 from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import SETUP_WORD_BITS, Formats
-from quadshade.golden.core.setup_loader import load_packets
+from quadshade.golden.core.setup_loader import load_packets, packet_beats, sent_packets, whole_packets
 from tests.support.golden_stimuli import malformed_packet, triangle_words
 
 PACKETS = 40
@@ -21,7 +21,9 @@ PACKETS = 40
 
 @dataclass(frozen=True)
 class Config(Formats):
-    """Generics of the core: the loader's follow from them."""
+    """Generics of the core: the loader's follow from them, and whether it looks at ``setup_last``."""
+
+    with_last: int = 0
 
 
 CONFIGS = [
@@ -36,12 +38,15 @@ CONFIGS = [
     Config(num_channels=1, max_order=1, with_depth=0, stream_width=64),
     # A whole edge section in a single beat.
     Config(num_channels=4, max_order=0, subpixel_bits=0, coord_bits=3, stream_width=128),
+    Config(with_last=1),
+    Config(word_width=40, frac_bits=28, stream_width=64, with_last=1),
+    Config(num_channels=4, max_order=0, subpixel_bits=0, coord_bits=3, stream_width=128, with_last=1),
 ]
 
 
 @pytest.mark.parametrize("config", CONFIGS, ids=identifier)
 def test_setup_loader(config: Config) -> None:
-    names = ("num_channels", "max_order", "with_depth", "word_width", "stream_width")
+    names = ("num_channels", "max_order", "with_depth", "word_width", "stream_width", "with_last")
     generics = {name: getattr(config, name) for name in names}
     generics["edge_section_bits"] = config.section_bits("edge")
     generics["second_section_bits"] = config.section_bits("second")
@@ -123,23 +128,62 @@ def beats_of(words: list[int], formats: Formats) -> list[tuple[int]]:
     return [(sum(int(word) << (SETUP_WORD_BITS * index) for index, word in enumerate(row)),) for row in rows]
 
 
-INPUTS = ("setup_valid", "setup_data", "packet_taken", "words_pending")
+INPUTS = ("setup_valid", "setup_data", "setup_last", "packet_taken", "words_pending")
 
 
-async def take(bench: Bench, words: list[int], source: str, sink: str) -> None:
+def stream_of(bench: Bench, packets: list[list[int]]) -> tuple[list[int], list[bool]]:
+    """
+    Words and ``setup_last`` of a stream of packets.
+
+    With ``with_last`` the first packet and some others break off, not the last one, and some end with it;
+    without, it is noise.
+    """
+    formats, draw = bench.config, bench.draw
+    words: list[int] = []
+    lasts: list[bool] = []
+    for index, packet in enumerate(packets):
+        beats = len(packet) // formats.beat_words
+        if not formats.with_last:
+            lasts += [draw.random() < 0.3 for _ in range(beats)]
+        else:
+            breaks = index + 1 < len(packets) and (index == 0 or draw.random() < 0.4)
+            beats = draw.randrange(1, beats) if breaks else beats
+            lasts += [False] * (beats - 1) + [breaks or draw.random() < 0.5]
+        words += packet[: beats * formats.beat_words]
+    return words, lasts
+
+
+def triangle_packets(bench: Bench, count: int) -> list[list[int]]:
+    """Packets of triangles, each by itself."""
+    formats = bench.config
+    words, packets = triangle_words(formats, bench.rng, count).tolist(), []
+    while words:
+        size = packet_beats(words[0], formats) * formats.beat_words
+        packets.append(words[:size])
+        words = words[size:]
+    return packets
+
+
+async def take(bench: Bench, packets_sent: list[list[int]], source: str, sink: str) -> None:
     """Packets through the loader, every flag in every cycle."""
     dut, formats = bench.dut, bench.config
-    packets = expected_packets(words, formats)
-    beats = beats_of(words, formats)
+    words, lasts = stream_of(bench, packets_sent)
+    looked_at = lasts if formats.with_last else [False] * len(lasts)
+    sent = list(sent_packets(words, looked_at, formats))
+    packets = expected_packets(whole_packets(words, looked_at, formats), formats)
+    beats = [(*beat, int(last)) for beat, last in zip(beats_of(words, formats), lasts, strict=True)]
     stream = StreamSource(
-        dut.setup_valid, dut.setup_ready, [dut.setup_data], beats, SPEEDS[source](bench.draw)
+        dut.setup_valid,
+        dut.setup_ready,
+        [dut.setup_data, dut.setup_last],
+        beats,
+        SPEEDS[source](bench.draw),
     )
     wants = SPEEDS[sink](bench.draw)
     taker = Taker(bench, packets, sink == "throttled")
-    ends = []
-    for packet in packets:
-        ends.append((ends[-1] if ends else 0) + packet.beats)
-    full = begun = False
+    # By the beats accepted: a packet is whole, or cut.
+    ends = {packet.start + packet.beats: packet.whole for packet in sent}
+    full = begun = cut = False
     while taker.taken < len(packets) or taker.copy:
         stream.drive()
         taker.drive()
@@ -147,22 +191,26 @@ async def take(bench: Bench, words: list[int], source: str, sink: str) -> None:
         dut.packet_taken.value = int(taker.taking)
         await bench.edge()
         accepted = len(stream.accepted_at)
-        inputs = f"beat {accepted}, full {full}, pending {taker.pending}"
+        inputs = f"beat {accepted}, full {full}, cut {cut}, pending {taker.pending}"
         bench.check("packet_valid", bool(dut.packet_valid.value), full, taker.taken, inputs)
-        bench.check("busy", bool(dut.busy.value), full or begun, taker.taken, inputs)
-        if full:
-            bench.check("setup_ready with a packet waiting", bool(dut.setup_ready.value), False, accepted)
+        bench.check("busy", bool(dut.busy.value), full or begun or cut, taker.taken, inputs)
+        bench.check("setup_cut", bool(dut.setup_cut.value), cut, accepted, inputs)
+        if full or cut:
+            bench.check(
+                "setup_ready with a packet waiting or cut", bool(dut.setup_ready.value), False, accepted
+            )
         full = full and not taker.taking
+        cut = False
         taker.sample()
         if stream.sample(bench.cycle):
-            full = len(stream.accepted_at) == ends[taker.taken]
-            begun = not full
+            ended = ends.get(len(stream.accepted_at))
+            full, cut, begun = ended is True, ended is False, ended is None
     bench.check("beats accepted", len(stream.accepted_at), len(beats))
     if source == sink == "full_speed":
         # A beat a cycle, the cycle in which a packet is taken, and one more while its words are copied where
-        # the next packet's words come at once.
+        # the next packet's words come at once; and the cycle in which one that was cut is dropped.
         one_beat = formats.section_beats("edge") == 1
-        pauses = (len(packets) - 1) * (2 if one_beat else 1)
+        pauses = (len(packets) - 1) * (2 if one_beat else 1) + len(sent) - len(packets)
         cycles = stream.accepted_at[-1] - stream.accepted_at[0] + 1
         bench.check("cycles for all beats", cycles, len(beats) + pauses)
 
@@ -172,10 +220,9 @@ async def take(bench: Bench, words: list[int], source: str, sink: str) -> None:
 async def every_packet(dut: Any, source: str, sink: str) -> None:
     bench = Bench(dut, Config, f"every_packet {source} {sink}")
     await bench.start(*INPUTS)
-    words = triangle_words(bench.config, bench.rng, 6).tolist()
-    for _ in range(PACKETS):
-        words += malformed_packet(bench.config, bench.rng)
-    await take(bench, words, source, sink)
+    packets = triangle_packets(bench, 6)
+    packets += [malformed_packet(bench.config, bench.rng) for _ in range(PACKETS)]
+    await take(bench, packets, source, sink)
     bench.finish(at_least=2 * PACKETS)
 
 
@@ -187,9 +234,10 @@ async def resets(dut: Any, sink: str) -> None:
     await bench.start(*INPUTS)
 
     async def work() -> None:
-        words = [word for _ in range(2) for word in malformed_packet(bench.config, bench.rng)]
-        await take(bench, words, "full_speed", sink)
+        packets = [malformed_packet(bench.config, bench.rng) for _ in range(2)]
+        await take(bench, packets, "full_speed", sink)
 
-    events = (("setup_valid", "setup_ready"), "packet_valid", "packet_taken", "words_pending")
-    await reset_amid(bench, work, events, 24, quiet=("busy", "packet_valid"))
+    events = [("setup_valid", "setup_ready"), "packet_valid", "packet_taken", "words_pending"]
+    events += ["setup_cut"] * bench.config.with_last
+    await reset_amid(bench, work, events, 24, quiet=("busy", "packet_valid", "setup_cut"))
     bench.finish(at_least=200)

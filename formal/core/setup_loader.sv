@@ -3,7 +3,8 @@
 // setup_loader: whatever the words say, a packet ends. Exactly one of the places edge 0.., second 0.., plane
 // 0.. is the next beat's; every accepted beat moves it on in that order, to the place that has_second and the
 // orders name, or ends the packet, which waits, and refuses beats, until it is taken. So a packet has
-// `places` beats at most.
+// `places` beats at most. With with_last, setup_last amid a packet drops it: setup_cut says so once, no beat
+// is taken meanwhile, and the next one is a packet's first; without, setup_last changes nothing.
 
 module setup_loader_properties #(
   parameter num_channels = 1,
@@ -13,12 +14,14 @@ module setup_loader_properties #(
   parameter stream_width = 32,
   parameter edge_section_bits = 68,
   parameter second_section_bits = 25,
-  parameter orders_low = 3
+  parameter orders_low = 3,
+  parameter with_last = 0
 ) (
   input clk,
   input reset,
   input setup_valid,
   input [stream_width - 1:0] setup_data,
+  input setup_last,
   input packet_taken,
   input words_pending
 );
@@ -34,14 +37,15 @@ module setup_loader_properties #(
   localparam differences = groups * 6 * difference_beats;
   localparam places = edges + seconds + differences;
 
-  wire setup_ready, busy, packet_valid;
+  wire setup_ready, setup_cut, busy, packet_valid;
   wire [edge_section_bits - 1:0] edge_data;
   wire [second_section_bits - 1:0] second_data;
   wire [carried * 6 * word_width - 1:0] words;
 
   setup_loader dut (
     .clk(clk), .reset(reset),
-    .setup_valid(setup_valid), .setup_ready(setup_ready), .setup_data(setup_data), .busy(busy),
+    .setup_valid(setup_valid), .setup_ready(setup_ready), .setup_data(setup_data),
+    .setup_last(setup_last), .setup_cut(setup_cut), .busy(busy),
     .packet_valid(packet_valid), .packet_taken(packet_taken), .words_pending(words_pending),
     .edge_data(edge_data), .second_data(second_data), .words(words)
   );
@@ -113,7 +117,7 @@ module setup_loader_properties #(
   end
 
   // One cycle later.
-  reg advanced = 0, stayed = 0, was_reset = 0, was_taken = 0, was_full;
+  reg advanced = 0, stayed = 0, was_reset = 0, was_taken = 0, was_full, was_last, was_cut;
   reg [places:0] expected;
   reg [places - 1:0] stays;
   always @(posedge clk) begin
@@ -122,6 +126,8 @@ module setup_loader_properties #(
     was_reset <= reset;
     was_taken <= packet_taken;
     was_full <= packet_valid;
+    was_last <= setup_last && with_last == 1;
+    was_cut <= setup_cut;
     expected <= next_places;
     stays <= here;
   end
@@ -135,12 +141,16 @@ module setup_loader_properties #(
       assert (here == (expected[places] ? 1 : expected[places - 1:0]));
       assert (packet_valid || here > stays);
     end
-    // Nothing moves without a beat, and a waiting packet stays until it is taken.
-    if (stayed) assert (here == stays && packet_valid == (was_full && !was_taken));
+    // The sender's last beat amid a packet, and only that, cuts it; a cycle later nothing is left of it.
+    if (advanced) assert (setup_cut == (was_last && !packet_valid));
+    if (stayed) assert (!setup_cut);
+    if (setup_cut) assert (!setup_ready && here != 1);
+    // Else nothing moves without a beat, and a waiting packet stays until it is taken.
+    if (stayed) assert (here == (was_cut ? 1 : stays) && packet_valid == (was_full && !was_taken));
     if (packet_valid) assert (!setup_ready && here == 1);
-    if (!packet_valid && !words_pending) assert (setup_ready);
+    if (!packet_valid && !setup_cut && !words_pending) assert (setup_ready);
     assert (busy == (packet_valid || here != 1));
-    if (was_reset) assert (!busy && here == 1);
+    if (was_reset) assert (!busy && !setup_cut && here == 1);
   end
 
   (* hierconn *) wire \dut.has_second ;

@@ -29,7 +29,9 @@ entity raster_core is
     stream_width : positive := default_formats.stream_width;
     span_depth : positive := default_formats.span_depth;
     -- 1: a packet is taken when the one before has been walked: fewer registers, for slow set-up streams.
-    single_buffer : natural := 0
+    single_buffer : natural := 0;
+    -- 1: setup_last, the sender's last beat, drops a packet that is not whole there, and setup_cut says so.
+    with_last : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -38,6 +40,9 @@ entity raster_core is
     setup_valid : in std_ulogic;
     setup_ready : out std_ulogic;
     setup_data : in std_ulogic_vector(stream_width - 1 downto 0);
+    setup_last : in std_ulogic := '0';
+    -- For a cycle.
+    setup_cut : out std_ulogic;
 
     pixel_valid : out std_ulogic;
     pixel_ready : in std_ulogic;
@@ -116,11 +121,13 @@ begin
     generic map (
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, stream_width => stream_width,
-      edge_section_bits => layout.bits, second_section_bits => second.bits, orders_low => layout.orders_low
+      edge_section_bits => layout.bits, second_section_bits => second.bits, orders_low => layout.orders_low,
+      with_last => with_last
     )
     port map (
       clk => clk, reset => reset,
       setup_valid => loader_offered, setup_ready => loader_ready, setup_data => setup_data,
+      setup_last => setup_last, setup_cut => setup_cut,
       busy => loader_busy,
       packet_valid => packet_valid, packet_taken => packet_taken,
       words_pending => words_pending,

@@ -3,10 +3,11 @@
 -- Collects a packet of set-up words into registers: bit fields of the edges, then the channels' differences,
 -- group by group, each up to the group's highest order. Every register belongs to one set-up word of one
 -- beat, so there is no multiplexer. A difference that is not sent is zero. A packet ends after a bounded
--- number of beats, whatever its bits say.
+-- number of beats, whatever its bits say. With with_last, setup_last drops a packet that is not whole there.
 --
 -- Model: setup_loader.py.  Test: test_setup_loader.py.  Latency: 1 cycle after the last beat.
--- Throughput: one beat per cycle, and one cycle in which the edge walker takes the primitive.
+-- Throughput: one beat per cycle, and one cycle in which the edge walker takes the primitive,
+-- or in which one that was cut is dropped.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -24,7 +25,9 @@ entity setup_loader is
     edge_section_bits : positive := 237;
     second_section_bits : positive := 94;
     -- Where the channels' orders stand in the edge section.
-    orders_low : natural := 3
+    orders_low : natural := 3;
+    -- 1: setup_last is looked at.
+    with_last : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -33,6 +36,10 @@ entity setup_loader is
     setup_valid : in std_ulogic;
     setup_ready : out std_ulogic;
     setup_data : in std_ulogic_vector(stream_width - 1 downto 0);
+    -- The sender's last beat: what follows begins a packet.
+    setup_last : in std_ulogic := '0';
+    -- For a cycle: it came amid a packet, which is dropped.
+    setup_cut : out std_ulogic;
 
     -- A packet is begun or waits.
     busy : out std_ulogic;
@@ -140,7 +147,7 @@ architecture rtl of setup_loader is
 
   signal state : state_t := state_init;
   signal state_next : state_t;
-  signal full : std_ulogic := '0';
+  signal full, cut : std_ulogic := '0';
   signal packet_done : std_ulogic;
   signal ready, accept, clear_words : std_ulogic;
   signal beat : std_ulogic_vector(stream_width - 1 downto 0) := (others => '0');
@@ -157,10 +164,11 @@ architecture rtl of setup_loader is
 
 begin
 
-  ready <= not full and not (state.writes_words and words_pending);
+  ready <= not full and not cut and not (state.writes_words and words_pending);
   accept <= setup_valid and ready;
   setup_ready <= ready;
   packet_valid <= full;
+  setup_cut <= cut;
   busy <= full or not state.edge_at(0);
 
   order_gen : for index in 0 to num_groups - 1 generate
@@ -249,9 +257,17 @@ begin
       state <= state_next;
       -- Nothing is accepted while it is full, so there is no order between the two.
       full <= packet_done or (full and not packet_taken);
-      if reset = '1' then
+      cut <= '0';
+      if with_last = 1 then
+        cut <= accept and setup_last and not packet_done;
+      end if;
+      -- Nor in the cycle behind a cut, so the length of a packet has a whole cycle to reach either flag.
+      if reset = '1' or cut = '1' then
         state <= state_init;
+      end if;
+      if reset = '1' then
         full <= '0';
+        cut <= '0';
       end if;
     end if;
   end process;

@@ -20,6 +20,7 @@ package axis_pkg is
   constant register_status : natural := 4;
   constant register_primitives : natural := 8;
   constant register_pixels : natural := 12;
+  constant register_cut_packets : natural := 16;
   constant register_generics : natural := 64;
   constant identity : u_unsigned(axi_data_bits - 1 downto 0) := x"44485351";
 

@@ -29,7 +29,8 @@ entity render_core is
     num_specular : positive := default_formats.num_specular;
     shade_guard_bits : positive := default_formats.shade_guard_bits;
     -- See raster_core.
-    single_buffer : natural := 0
+    single_buffer : natural := 0;
+    with_last : natural := 0
   );
   port (
     clk : in std_ulogic;
@@ -38,6 +39,8 @@ entity render_core is
     setup_valid : in std_ulogic;
     setup_ready : out std_ulogic;
     setup_data : in std_ulogic_vector(stream_width - 1 downto 0);
+    setup_last : in std_ulogic := '0';
+    setup_cut : out std_ulogic;
 
     -- The shade unit's registers and tables: taken only while the core is idle.
     state_valid : in std_ulogic;
@@ -91,11 +94,13 @@ begin
       num_channels => num_channels, max_order => max_order, with_depth => with_depth,
       word_width => word_width, frac_bits => lane_frac_bits(formats), value_bits => lane_width,
       depth_bits => depth_bits, subpixel_bits => subpixel_bits, coord_bits => coord_bits,
-      stream_width => stream_width, span_depth => span_depth, single_buffer => single_buffer
+      stream_width => stream_width, span_depth => span_depth, single_buffer => single_buffer,
+      with_last => with_last
     )
     port map (
       clk => clk, reset => reset,
       setup_valid => setup_valid, setup_ready => setup_ready, setup_data => setup_data,
+      setup_last => setup_last, setup_cut => setup_cut,
       pixel_valid => drawn_valid, pixel_ready => drawn_ready, pixel_last => drawn_last,
       pixel_x => drawn_x, pixel_y => drawn_y, pixel_value => drawn_value, pixel_depth => drawn_depth,
       idle => drawn_idle

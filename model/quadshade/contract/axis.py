@@ -53,6 +53,7 @@ REGISTERS = (
     ),
     Register("primitives", 8, "primitives whose last pixel was taken since reset, modulo 2**32"),
     Register("pixels", 12, "pixels taken since reset, modulo 2**32"),
+    Register("cut_packets", 16, "packets dropped since reset, amid which `tlast` came, modulo 2**32"),
     *(
         Register(f"generic_{one.name}", GENERICS_FIRST + 4 * index, f"the core's generic `{one.name}`")
         for index, one in enumerate(fields(Formats))

@@ -16,6 +16,7 @@ from quadshade.contract.axis import (
 from quadshade.contract.formats import Formats
 from quadshade.contract.shade_state import ShadeState
 from quadshade.golden.core.raster_core import EmittedPixel
+from quadshade.golden.core.setup_loader import sent_packets, whole_packets
 from quadshade.golden.shade.render_core import draw_scalar
 
 
@@ -52,14 +53,35 @@ class QuadshadeAxis:
 
     def reset(self) -> None:
         """Zero the counters; the shade unit keeps its state."""
-        self.counters = {"primitives": 0, "pixels": 0}
+        self.counters = {"primitives": 0, "pixels": 0, "cut_packets": 0}
 
-    def draw(self, words: Sequence[int]) -> list[list[bytes]]:
+    def draw(self, words: Sequence[int], lasts: Sequence[bool] = ()) -> list[list[bytes]]:
         """
         The pixels of a stream of words, up to each ``tlast``.
 
         The host's packets end with a last pixel; those of a malformed one may run into the next.
+
+        Parameters
+        ----------
+        words : sequence of int
+          32-bit set-up words, whole beats.
+        lasts : sequence of bool
+          ``tlast`` of every beat; if left out, it is low.
+
+        Returns
+        -------
+        list of list of bytes
+          A pixel's bytes, primitive by primitive.
+
+        Raises
+        ------
+        QuadshadeError
+          The stream ends within a packet, without ``tlast``.
         """
+        cut = 0
+        if lasts:
+            cut = sum(not packet.whole for packet in sent_packets(words, lasts, self.formats))
+            words = whole_packets(words, lasts, self.formats)
         state = ShadeState.from_registers(self.state, self.formats) if self.formats.with_shade else None
         frames: list[list[bytes]] = [[]]
         for pixel in draw_scalar(words, self.formats, state):
@@ -68,7 +90,8 @@ class QuadshadeAxis:
                 frames.append([])
         ended = len(frames) - 1
         frames = frames if frames[-1] else frames[:-1]
-        for name, more in (("primitives", ended), ("pixels", sum(map(len, frames)))):
+        pixels = sum(map(len, frames))
+        for name, more in (("primitives", ended), ("pixels", pixels), ("cut_packets", cut)):
             self.counters[name] = (self.counters[name] + more) % (1 << AXI_DATA_BITS)
         return frames
 
