@@ -94,10 +94,10 @@ def test_entries_are_counted_from_the_highest_value() -> None:
     state = triangles.shade
     assert state is not None
     top = (1 << formats.lane_value_bits) - 1
-    assert first_entry(top, state, formats) == 0
-    assert first_entry(0, state, formats) == table_entries(formats) - 1
-    assert first_entry(-1, state, formats) == table_entries(formats)
-    rising = [first_entry(value, state, formats) for value in range(0, top, top // 999)]
+    assert first_entry(top, formats) == 0
+    assert first_entry(0, formats) == table_entries(formats) - 1
+    assert first_entry(-1, formats) == table_entries(formats)
+    rising = [first_entry(value, formats) for value in range(0, top, top // 999)]
     assert rising == sorted(rising, reverse=True)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from math import prod
 
@@ -135,12 +136,11 @@ class CosineShader(Shader):
                 step = 0.5**octaves / (1 << POWER_MANTISSA_BITS) / reach
                 curved = self.exponent * (self.exponent - 1)
                 rough = float(curved / 8 * step**2 * self.specular.sum(axis=0).max())
-            state = specular_state(
-                self.formats, self.lights, self.material, self.strength, power=self.power, reach=reach
-            )
+            given = self.formats, self.lights, self.material, self.strength, None, self.power, reach
+            state = partial(specular_state, *given)
             if self.power:
                 value = int(reach * ((1 << self.formats.lane_value_bits) - 1))
-                first = first_entry(value, state, self.formats)
+                first = first_entry(value, self.formats)
             gain = np.repeat([1.0, reach], len(self.pointed))
             self._tables[octaves] = Table(octaves, state, gain, rough, first)
         return self._tables[octaves]

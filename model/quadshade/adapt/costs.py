@@ -80,7 +80,7 @@ def error_figures(errors: np.ndarray, allowed: float = np.inf) -> ErrorFigures:
 
 def shade_bytes(state: ShadeState | None, first: int = 0) -> int:
     """Bytes of the shade unit's state: colours, and power tables from an entry on."""
-    return 0 if state is None else 4 * len(state.writes(first))
+    return 0 if state is None else 4 * state.num_writes(first)
 
 
 def state_bytes(triangles: ScreenTriangles, formats: Formats) -> int:

@@ -12,6 +12,7 @@ costs more bytes, and each is the inverse of the other.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ _MANTISSAS = (
 """From, to below, and by."""
 
 
+@lru_cache
 def error_limits(full: float) -> np.ndarray:
     """
     Largest errors that pictures are planned for, falling, two to five per cent apart.
@@ -48,6 +50,7 @@ def error_limits(full: float) -> np.ndarray:
     -------
     (k,) float64
       Output units, round numbers but for the first; the last is a little more than the output's rounding.
+      Remembered, so not to be written.
     """
     rising: list[float] = []
     scale = 1.0
@@ -56,7 +59,9 @@ def error_limits(full: float) -> np.ndarray:
             rising += [scale * (low + index * step) for index in range(round((high - low) / step))]
         scale *= 10
     useful = [round(limit, 6) for limit in rising if OUTPUT_ROUNDING < limit < full + OUTPUT_ROUNDING]
-    return np.array([full + OUTPUT_ROUNDING, *reversed(useful)])
+    limits = np.array([full + OUTPUT_ROUNDING, *reversed(useful)])
+    limits.setflags(write=False)
+    return limits
 
 
 class Picture(NamedTuple):

@@ -342,7 +342,7 @@ class Plan:
         if state is None or not state.tables.size:
             return 0
         highest = int(self.drawn.highest.max(initial=-1))
-        return first_entry(highest, state, self.planner.shader.formats)
+        return first_entry(highest, self.planner.shader.formats)
 
     @cached_property
     def least_bytes(self) -> int:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -118,7 +118,8 @@ class Table:
     ----------
     number : int
       No two tables of a shader have the same.
-    state : ShadeState or None
+    make : function
+      Makes the state when it is first asked for: most tables are only judged by their error.
     gain : (channels,) float64
       What channels carry, over what is fitted.
     error : float
@@ -128,10 +129,15 @@ class Table:
     """
 
     number: int
-    state: ShadeState | None
+    make: Callable[[], ShadeState | None]
     gain: np.ndarray
     error: float = 0.0
     first: int = 0
+
+    @cached_property
+    def state(self) -> ShadeState | None:
+        """The state, None where there is no shade unit."""
+        return self.make()
 
     @property
     def least_read(self) -> int:
@@ -191,7 +197,7 @@ class Shader:
 
     @cached_property
     def _plain(self) -> Table:
-        return Table(0, None, np.ones(len(self.place)))
+        return Table(0, lambda: None, np.ones(len(self.place)))
 
     def table(self, max_error: float = 0.0) -> Table:
         """The coarsest table that is good enough for an error, in output units; for 0 the finest."""

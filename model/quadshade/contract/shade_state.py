@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -87,6 +88,11 @@ class ShadeState:
             0,
         )
 
+    def num_writes(self, first: int = 0) -> int:
+        """How many :meth:`writes` are."""
+        colours = self.coefficients.size + self.ambient.size + 1
+        return colours + len(self.tables) * max(self.tables.shape[1] - first, 0)
+
     def writes(self, first: int = 0) -> np.ndarray:
         """(m, 2) uint32: addresses and data that load this state, of its tables from an entry on."""
         rows = [
@@ -106,6 +112,7 @@ def table_entries(formats: Formats) -> int:
     return (formats.lane_value_bits - POWER_MANTISSA_BITS + 1) << POWER_MANTISSA_BITS
 
 
+@lru_cache
 def table_places(formats: Formats) -> np.ndarray:
     """
     Where the intervals of a power table begin.
@@ -116,13 +123,15 @@ def table_places(formats: Formats) -> np.ndarray:
     Returns
     -------
     (entries + 1,) float64
-      Cosines, falling from 1; not below 0.
+      Cosines, falling from 1; not below 0. Remembered, so not to be written.
     """
     index = np.arange(table_entries(formats) + 1)
     first = 1 << POWER_MANTISSA_BITS
     octave = np.maximum(index // first - 1, 0)
     distance = (index - first * octave) << octave
-    return np.maximum(1 - distance / ((1 << formats.lane_value_bits) - 1), 0.0)
+    places: np.ndarray = np.maximum(1 - distance / ((1 << formats.lane_value_bits) - 1), 0.0)
+    places.setflags(write=False)
+    return places
 
 
 def specular_gain(formats: Formats) -> float:

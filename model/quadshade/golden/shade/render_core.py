@@ -116,7 +116,7 @@ def shade_values(value: np.ndarray, given: ShadeGiven) -> np.ndarray:
     return out
 
 
-def first_entry(highest: int, state: ShadeState, formats: Formats) -> int:
+def first_entry(highest: int, formats: Formats) -> int:
     """
     The first entry of the power tables that is read: entries lie the farther in front the higher a value.
 
@@ -124,7 +124,6 @@ def first_entry(highest: int, state: ShadeState, formats: Formats) -> int:
     ----------
     highest : int
       The highest value of any lane that has a table; less than 0 where there is no pixel.
-    state : ShadeState
     formats : Formats
 
     Returns
@@ -132,7 +131,7 @@ def first_entry(highest: int, state: ShadeState, formats: Formats) -> int:
     int
       As many as a table has where none is read.
     """
-    entries = state.tables.shape[1]
+    entries = table_entries(formats)
     return entries if highest < 0 else min(int(_interval(highest, formats.lane_value_bits)[0]), entries)
 
 
@@ -157,7 +156,7 @@ def needed_writes(words: np.ndarray, state: ShadeState, formats: Formats) -> np.
     value = draw_fast(words, formats.core).value[:, formats.num_channels - formats.num_specular :]
     tables = [number for number in range(formats.num_specular) if not state.linear >> number & 1]
     highest = int(value[:, tables].max(initial=-1))
-    return state.writes(first_entry(highest, state, formats))
+    return state.writes(first_entry(highest, formats))
 
 
 def shade_given(state: ShadeState, formats: Formats) -> ShadeGiven:
