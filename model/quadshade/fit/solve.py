@@ -2,8 +2,8 @@
 """
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
-The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle. The steps
-begin at the six points and are scaled by the diagonal. Over a triangle's area such a matrix is well
+The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle, of
+which half are sent through the memory. The steps begin at the six points and are scaled by the diagonal. Over a triangle's area such a matrix is well
 conditioned whatever the mesh: some ten steps do. With a weight on jumps it is not, and is factorised.
 """
 
@@ -21,11 +21,15 @@ from quadshade.contract.arrays import Bools, Floats, Ints
 from quadshade.fit.elements import Elements
 from quadshade.fit.places import Places
 
+HALF = 21
+"""Numbers on and below the diagonal of a block."""
+FULL = np.array([[max(i, j) * (max(i, j) + 1) // 2 + min(i, j) for j in range(6)] for i in range(6)])
+"""(6, 6) where each number of a block stands among these: row by row."""
 HOLD = 1e-3
 """Pixels that speak for a six-point value: what no place sees stays as it was sampled."""
 
-TOLERANCE = 1e-2
-"""Of the residual that the six points leave."""
+TOLERANCE = 3e-2
+"""Of the residual that the six points leave: with a third of it the mean error is less by 1e-4 of itself."""
 CLOSELY = 1e-4
 """The same where the steps stand for factors: what is badly conditioned changes slowly."""
 MOST_STEPS = 2000
@@ -42,14 +46,19 @@ class Normal:
 
     Attributes
     ----------
-    block : (n, 6, 6) float64
-      Of each triangle: its samples' shape functions with each other, over its places.
+    half : (n, 21) float64
+      Of each triangle: its samples' shape functions with each other, over its places, as :data:`FULL` says.
     right : (n, 6, c) float64
       Of each triangle: shape functions with the targets.
     """
 
-    block: Floats
+    half: Floats
     right: Floats
+
+    @property
+    def block(self) -> Floats:
+        """(n, 6, 6) float64 the same, both halves."""
+        return self.half[:, FULL]
 
 
 @dataclass(frozen=True)
@@ -70,18 +79,18 @@ class Solution:
 
 class System(NamedTuple):
     """
-    A symmetric matrix: blocks of triangles (n, 6, 6) at unknowns (n, 6), a sparse one, and a diagonal.
+    A symmetric matrix: blocks of triangles (n, 21) at unknowns (n, 6), a sparse one, and a diagonal.
 
     Attributes
     ----------
-    block, unknown : (n, 6, 6) float64, (n, 6) int64
+    half, unknown : (n, 21) float64, (n, 6) int64
     starts, columns, entries
       Rows of the sparse matrix, as in SciPy's CSR; none where ``starts`` is [0].
     hold : float
       On the diagonal.
     """
 
-    block: Floats
+    half: Floats
     unknown: Ints
     starts: Ints
     columns: Ints
@@ -89,12 +98,12 @@ class System(NamedTuple):
     hold: float
 
 
-def _system(block: Floats, unknown: Ints, matrix: sparse.csr_array | None, hold: float) -> System:
+def _system(half: Floats, unknown: Ints, matrix: sparse.csr_array | None, hold: float) -> System:
     """Blocks, and a sparse matrix if there is one."""
     if matrix is None:
-        return System(block, unknown, np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0), hold)
+        return System(half, unknown, np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0), hold)
     starts, columns = matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
-    return System(block, unknown, starts, columns, matrix.data, hold)
+    return System(half, unknown, starts, columns, matrix.data, hold)
 
 
 def normal_equations(
@@ -118,10 +127,10 @@ def normal_equations(
     Normal
     """
     count = len(elements.index)
-    block, right = np.zeros((count, 6, 6)), np.zeros((count, 6, target.shape[1]))
-    _add_six(elements.index, elements.start, beyond, block, right)
-    _add_up(places.triangle, places.weights, target, weight, block, right)
-    return Normal(block, right)
+    half, right = np.zeros((count, HALF)), np.zeros((count, 6, target.shape[1]))
+    _add_six(elements.index, elements.start, beyond, half, right)
+    _add_up(places.triangle, places.weights, target, weight, half, right)
+    return Normal(half, right)
 
 
 def least_squares(
@@ -153,8 +162,8 @@ def least_squares(
     """
     start, index = elements.start, elements.index
     diagonal = np.full(len(start), HOLD)
-    _scatter(index, np.ascontiguousarray(np.einsum("nii->ni", normal.block))[:, :, None], diagonal[:, None])
-    system = _system(normal.block, index, None, HOLD)
+    _scatter(index, normal.half[:, FULL.diagonal(), None], diagonal[:, None])
+    system = _system(normal.half, index, None, HOLD)
     goal = np.ascontiguousarray(_right_side(elements, normal).T)
     values = np.ascontiguousarray(np.clip(start if begin is None else begin, lowest, largest).T)
     free, ended = np.ones(values.shape, dtype=bool), True
@@ -226,7 +235,7 @@ def solved_directly(matrix: sparse.csr_array, right: Floats, begin: Floats) -> S
         except (RuntimeError, MemoryError):
             # What rounding has made singular has many solutions: the steps go to one of them.
             pass
-    system = _system(np.zeros((0, 6, 6)), np.zeros((0, 6), np.int64), full, 0.0)
+    system = _system(np.zeros((0, HALF)), np.zeros((0, 6), np.int64), full, 0.0)
     steps = np.ascontiguousarray(begin.T)
     free = np.ones(steps.shape, dtype=bool)
     aim = np.ascontiguousarray(goal.T)
@@ -235,18 +244,18 @@ def solved_directly(matrix: sparse.csr_array, right: Floats, begin: Floats) -> S
 
 
 @njit(cache=True)
-def _add_six(index: Ints, start: Floats, beyond: Floats, block: Floats, right: Floats) -> None:
+def _add_six(index: Ints, start: Floats, beyond: Floats, half: Floats, right: Floats) -> None:
     """Let triangles' six points count."""
     for triangle in range(len(index)):
         for row in range(6):
-            block[triangle, row, row] += beyond[triangle]
+            half[triangle, FULL[row, row]] += beyond[triangle]
             for channel in range(start.shape[1]):
                 right[triangle, row, channel] += beyond[triangle] * start[index[triangle, row], channel]
 
 
 @njit(cache=True)
 def _add_up(
-    triangle: Ints, weights: Floats, target: Floats, weight: Floats, block: Floats, right: Floats
+    triangle: Ints, weights: Floats, target: Floats, weight: Floats, half: Floats, right: Floats
 ) -> None:
     """Add every place to the block and the right side of its triangle."""
     shape = np.empty(6)
@@ -259,13 +268,9 @@ def _add_up(
         for row in range(6):
             here = share * shape[row]
             for column in range(row + 1):
-                block[owner, row, column] += here * shape[column]
+                half[owner, FULL[row, column]] += here * shape[column]
             for channel in range(channels):
                 right[owner, row, channel] += here * target[place, channel]
-    for owner in range(len(block)):
-        for row in range(6):
-            for column in range(row + 1, 6):
-                block[owner, row, column] = block[owner, column, row]
 
 
 @njit(cache=True)
@@ -280,7 +285,7 @@ def _scatter(index: Ints, local: Floats, out: Floats) -> None:
 @njit(cache=True)
 def _times(system: System, vectors: Floats, out: Floats) -> None:
     """The matrix times vectors (c, m)."""
-    block, index, starts, columns, entries, hold = system
+    half, index, starts, columns, entries, hold = system
     for channel in range(len(vectors)):
         for row in range(vectors.shape[1]):
             out[channel, row] = hold * vectors[channel, row]
@@ -289,15 +294,15 @@ def _times(system: System, vectors: Floats, out: Floats) -> None:
                 out[channel, row] += entries[at] * vectors[channel, columns[at]]
     # A block is read once for all channels: it is the memory that takes the time.
     for triangle in range(len(index)):
-        own = index[triangle]
+        own, b = index[triangle], half[triangle]
         for channel in range(len(vectors)):
             v, o = vectors[channel], out[channel]
             one, two, three = v[own[0]], v[own[1]], v[own[2]]
             four, five, six = v[own[3]], v[own[4]], v[own[5]]
             for row in range(6):
-                b = block[triangle, row]
-                total = b[0] * one + b[1] * two + b[2] * three + b[3] * four + b[4] * five + b[5] * six
-                o[own[row]] += total
+                at = FULL[row]
+                total = b[at[0]] * one + b[at[1]] * two + b[at[2]] * three
+                o[own[row]] += total + b[at[3]] * four + b[at[4]] * five + b[at[5]] * six
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
