@@ -51,7 +51,8 @@ RUN_BITS = 24
 
 LARGEST_RUN = (1 << RUN_BITS) - 1
 
-PARAMETERS = ("k_place", "k_colour", "k_depth", "k_middle", "shift_colour", "shift_depth")
+PREFIXES = ("k_place", "k_colour", "k_depth", "k_middle")
+PARAMETERS = (*PREFIXES, "shift_colour", "shift_depth")
 PARAMETER_BITS = 5
 LARGEST_TRIM = LONGEST_PREFIX
 LARGEST_SPAN = 16
@@ -139,9 +140,13 @@ class Program(NamedTuple):
     places: dict[str, int]
 
 
+# The memory has a prefix' parameter with LONGEST_PREFIX added; behind ``halves``, channel by channel, depth
+# last, what rounds a word, and by how much it is shifted then.
 RESERVED = (
     *PARAMETERS,
     *("major", "major_step", "minor", "minor_step"),
+    *("halves", "half_1", "half_2", "half_3", "half_4"),
+    *("shifts", "shift_1", "shift_2", "shift_3", "shift_4"),
 )
 
 _CONSTANTS = {
@@ -155,7 +160,7 @@ _CONSTANTS = {
     "MIDDLE_WORDS": MIDDLE_WORDS,
     "LONGEST_PREFIX": LONGEST_PREFIX,
     "LONG_BITS": LONG_BITS,
-    "len_parameters": len(PARAMETERS),
+    "len_prefixes": len(PREFIXES),
 }
 
 

@@ -11,30 +11,10 @@ from __future__ import annotations
 _DECODE = """
 main:
     start
-    take #1; jz triangle
-    take #1; jz parameters
-    take #RUN_BITS; raw
-    jmp main
-parameters:
-    ldx #0; ldp #@k_place
-parameter:
-    take #PARAMETER_BITS; st p+0; loop parameter, len_parameters
-    ld #1; shl k_place; st b_place; ld #1; shl k_colour; st b_colour; ld #1; shl k_depth; st b_depth
-    ld #1; shl k_middle; st b_middle
-    ld #1; shl shift_colour; shl #RATIO_FRAC + SAMPLE_FRAC - 1; st half_colour; ld #1; shl shift_depth
-    shl #RATIO_FRAC + SAMPLE_FRAC - frac_bits + depth_frac_bits * with_depth; shr #1; st half_depth
-    ld #1; shl #RATIO_FRAC + 4; st offset; ld #0; st next_vertex; st v0; st v1; st v2; st m0; st m1
-    st m2; ldx #0; ld #0; st t
-clear:
-    ldp t; ld #0; st p+0; st p+1; st p+2; st p+3; st p+4; st p+5; st p+6; st p+7
-    ld t; add #8; st t; add #0 - SCRATCH_AT; jn clear
-    ld #MIDDLES_AT; st next_middle; jmp main
-triangle:
-    ldx #0; ones; st trim_top; ones; st trim_bottom; take #1; st quadratic; ld #max_order - 2
-    jnn corners
-    ld #0; st quadratic
+    take #1; jnz others
+    ones; st trim_top; ones; st trim_bottom; take #1; st quadratic; ld #max_order - 2; jn all_linear
 corners:
-    take #2; jz drop_first
+    ldx #0; take #2; jz drop_first
     add #0 - 1; jz drop_second
     add #0 - 1; jz drop_third
     ld v2; st pa; st pb; st px; call point; st v0; st pa; st pb; st px; call point; st v1; ld quadratic
@@ -53,81 +33,113 @@ shared:
 third:
     call point; st v2; ld quadratic; jz sort
     ld v0; st pa; ld v2; st pb; call middle; st m1; ld v1; st pa; call middle; st m2; jmp sort
+others:
+    take #1; jz parameters
+    take #RUN_BITS; raw
+    jmp main
+parameters:
+    ldx #0; ldp #@k_place
+parameter:
+    take #PARAMETER_BITS; add #LONGEST_PREFIX; st p+0; loop parameter, len_prefixes
+    take #PARAMETER_BITS; st shift_colour; take #PARAMETER_BITS; st shift_depth
+    ld #1; shl k_place; shr #LONGEST_PREFIX; st b_place; ld #1; shl k_colour; shr #LONGEST_PREFIX
+    st b_colour; ld #1; shl k_depth; shr #LONGEST_PREFIX; st b_depth; ld #1; shl k_middle
+    shr #LONGEST_PREFIX; st b_middle
+    ldx #0; ldp #@halves; ld shift_colour; st p+5; st p+6; st p+7; st p+8; ld shift_depth
+    st p+5 + num_channels
+    ld #1; shl shift_colour; shl #RATIO_FRAC + SAMPLE_FRAC - 1; st p+0; st p+1; st p+2; st p+3; ld #1
+    shl shift_depth; shl #RATIO_FRAC + SAMPLE_FRAC - frac_bits + depth_frac_bits * with_depth; shr #1
+    st p+num_channels
+    ld #1; shl #RATIO_FRAC + 4; st offset; ld #0; st next_vertex; st v0; st v1; st v2; st m0; st m1
+    st m2; st t
+clear:
+    ldp t; ld #0; st p+0; st p+1; st p+2; st p+3; st p+4; st p+5; st p+6; st p+7
+    ld t; add #8; st t; add #0 - SCRATCH_AT; jn clear
+    ld #MIDDLES_AT; st next_middle; jmp main
+all_linear:
+    ld #0; st quadratic; jmp corners
 point:
-    take #1; jnz new_point
-    get #6; shl #3; ret
-new_point:
+    take #1; jz known_point
     take #1; st moved; jnz moved_point
-    ldx #0; ld k_place; st k; ld b_place; st bias; call residual; call keep; ldx #1; call residual
-    call keep; jmp point_colours
-moved_point:
-    take #6; shl #3; st slot; ldx #0
-    ldp slot; ld p+0; ldp next_vertex; st p+0; ldp slot; ld p+1; ldp next_vertex; st p+1
-    ldp slot; ld p+2 + num_channels; ldp next_vertex; st p+2 + num_channels
+    ld k_place; st k; ld b_place; st bias; call part; ldx #1; call part
 point_colours:
-    ld #0; st e; ld k_colour; st k; ld b_colour; st bias; ldx #2
+    ld #0; st e; ldx #2
 point_colour:
-    call residual; add e; st e; call keep; loop point_colour, 2 + num_channels
+    ones; add #0 - LONGEST_PREFIX; jz long_colour
+    add k_colour; st n; ld #1; get n; sub b_colour; fold
+point_coloured:
+    add e; ldp pa; st e; add p+0; ldp pb; add p+0; ldp px; sub p+0; ldp next_vertex; st p+0
+    loop point_colour, 2 + num_channels
     ld #with_depth; jz point_whole
     ld moved; jnz point_whole
-    ld k_depth; st k; ld b_depth; st bias; call residual; call keep
+    ld k_depth; st k; ld b_depth; st bias; call part
 point_whole:
-    ldx #0; ld next_vertex; st slot; add #VERTEX_WORDS; st next_vertex; add #0 - MIDDLES_AT
-    jn point_kept
-    st next_vertex
+    ld next_vertex; add #VERTEX_WORDS; ldx #0; st next_vertex; add #0 - MIDDLES_AT; jnn first_vertex
 point_kept:
-    ld slot; ret
-keep:
-    st t; ldp pa; ld p+0; ldp pb; add p+0; ldp px; sub p+0; add t; ldp next_vertex; st p+0; ret
-residual:
-    ones; add #0 - LONGEST_PREFIX; jz long_residual
-    add #LONGEST_PREFIX; add k; st n; ld #1; get n; sub bias; fold; ret
-long_residual:
-    get #LONG_BITS; fold; ret
+    add #MIDDLES_AT - VERTEX_WORDS; ret
+known_point:
+    get #6; shl #3; ret
+moved_point:
+    take #6; shl #3; st slot
+    ldp slot; ld p+0; ldp next_vertex; st p+0; ldp slot; ld p+1; ldp next_vertex; st p+1
+    ldp slot; ld p+2 + num_channels; ldp next_vertex; st p+2 + num_channels; jmp point_colours
+first_vertex:
+    st next_vertex; jmp point_kept
+long_colour:
+    get #LONG_BITS; fold; jmp point_coloured
+part:
+    ones; add #0 - LONGEST_PREFIX; jz long_part
+    add k; st n; ld #1; get n; sub bias; fold
+part_kept:
+    ldp pa; add p+0; ldp pb; add p+0; ldp px; sub p+0; ldp next_vertex; st p+0; ret
+long_part:
+    get #LONG_BITS; fold; jmp part_kept
 middle:
-    take #1; jnz new_middle
-    get #6; shl #2; add #MIDDLES_AT; ret
-new_middle:
-    ldx #0; ld #0; st e; ld k_middle; st k; ld b_middle; st bias
+    take #1; jz known_middle
+    ld #0; st e
 middle_colour:
-    call residual; add e; st e; ldp pa; ld p+2; ldp pb; add p+2; shr #1; add e; ldp next_middle; st p+0
+    ones; add #0 - LONGEST_PREFIX; jz long_middle
+    add k_middle; st n; ld #1; get n; sub b_middle; fold
+middle_coloured:
+    add e; ldp pa; st e; ld p+2; ldp pb; add p+2; shr #1; add e; ldp next_middle; st p+0
     loop middle_colour, num_channels
-    ldx #0; ld next_middle; st slot; add #MIDDLE_WORDS; st next_middle; add #0 - SCRATCH_AT
-    jn middle_kept
-    add #MIDDLES_AT; st next_middle
+    ld next_middle; add #MIDDLE_WORDS; ldx #0; st next_middle; add #0 - SCRATCH_AT; jnn first_middle
 middle_kept:
-    ld slot; ret
+    add #SCRATCH_AT - MIDDLE_WORDS; ret
+known_middle:
+    get #6; shl #2; add #MIDDLES_AT; ret
+first_middle:
+    add #MIDDLES_AT; st next_middle; add #0 - MIDDLES_AT; jmp middle_kept
+long_middle:
+    get #LONG_BITS; fold; jmp middle_coloured
 """
 
 _EDGES = """
 sort:
-    ldp v1; ld p+1; ldp v0; sub p+1; jnn sorted_first
+    ldp v0; ld p+1; st y1; ldp v1; ld p+1; st ym; ldp v2; ld p+1; st yb; ld ym; sub y1; jnn sorted_first
     call swap_first
 sorted_first:
-    ldp v2; ld p+1; ldp v1; sub p+1; jnn sorted_second
+    ld yb; sub ym; jnn sorted_second
     call swap_second
 sorted_second:
-    ldp v1; ld p+1; ldp v0; sub p+1; jnn sorted
+    ld ym; sub y1; jnn sorted
     call swap_first
 sorted:
-    ldp v0; ld p+0; st x1; ld p+1; st y1; ldp v1; ld p+0; st xm; sub x1; st x2; ld p+1; st ym; sub y1
-    st y2; ldp v2; ld p+0; st xb; sub x1; st x3; ld p+1; st yb; sub y1; st y3; ld y1; sub ym; st ny2
-    ld #0; ldq y3; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; add y1
-    add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1
-    add trim_top; st y; st from; ld ym; add ym; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; st knee
+    ldp v0; ld p+0; st x1; ldp v1; ld p+0; st xm; sub x1; ldp v2; st x2; ld p+0; st xb; sub x1; st x3
+    ld ym; sub y1; st y2; ld yb; sub y1; st y3; ld y1; sub ym; ldq y3; st ny2
+    ld #0; muli x2, 18; ldq ny2; muli x3, 18; st area; ld y1; add y1
+    add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; add trim_top; st y; st from; add y; add #1
+    shl #subpixel_bits; sub y1; sub y1; st down
+    ld ym; add ym; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; st knee
     ld yb; add yb; add #2 ** subpixel_bits - 1; shr #subpixel_bits + 1; sub trim_bottom; st bottom; sub y
     st rows; st rows_first; ld #0; st mirror; st has_second; st rows_second; ld y; sub knee; jnn header
     ld knee; sub bottom; jnn header
     ld knee; sub y; st rows_first; ld bottom; sub knee; st rows_second; ld #1; st has_second; ld area
     jnn header
-    ld #1; st mirror
+    ld #2; st mirror
 header:
-    ld has_second; put #1; ld mirror; put #1; ld #0; put #1; ld quadratic; add #1; st t
-order:
-    ld t; put #2; loop order, num_channels
-    ldx #0; ld #with_depth; jz places
-    put #2
-places:
+    ld #(4 ** num_channels - 1) / 3 * 8; shl quadratic; add #with_depth * 2 ** (3 + 2 * num_channels)
+    add has_second; add mirror; put #3 + 2 * num_channels + 2 * with_depth
     ld y; put #coord_bits; ld rows_first; add #0 - 2; put #column_bits; ld rows_second; add #0 - 2
     put #column_bits; ld has_second; jnz both
     ld area; jn short_major
@@ -138,24 +150,25 @@ both:
     ldp #@major; call long; ldp #@minor; ld rows_first; st rows; call upper; align; ld rows_second
     st rows; ld knee; st from; call lower; jmp colours
 swap_first:
-    ld v0; st t; ld v1; st v0; ld t; st v1; ld m1; st t; ld m2; st m1; ld t; st m2; ret
+    ld v0; ldq v1; st v1; stq v0; ld y1; ldq ym; st ym; stq y1; ld m1; ldq m2; st m2; stq m1; ret
 swap_second:
-    ld v1; st t; ld v2; st v1; ld t; st v2; ld m0; st t; ld m1; st m0; ld t; st m1; ret
-long:
-    ld x1; st xa; ld y1; st ya; ld x3; st dx; ld y3; st dy; jmp edge
+    ld v1; ldq v2; st v2; stq v1; ld ym; ldq yb; st yb; stq ym; ld m0; ldq m1; st m1; stq m0; ret
 short:
     ld y; sub knee; jnn lower
 upper:
-    ld x1; st xa; ld y1; st ya; ld x2; st dx; ld y2; st dy; jmp edge
+    ld x2; st dx; ld y2; st dy; jmp from_top
 lower:
-    ld xm; st xa; ld ym; st ya; ld xb; sub xm; st dx; ld yb; sub ym; st dy
+    ld xm; st xa; ld yb; sub ym; st dy; ld xb; sub xm; st dx
+    ld from; add from; add #1; shl #subpixel_bits; sub ym; sub ym; st d; jmp edge
+long:
+    ld x3; st dx; ld y3; st dy
+from_top:
+    ld x1; st xa; ld down; st d
 edge:
-    ld from; add from; add #1; shl #subpixel_bits; sub ya; sub ya; st d; ld dy; add dy; st t; ld dy
-    shl #subpixel_bits; add #0 - 1; ldq xa; muli t, 22; ldq d; muli dx, 20; shr #subpixel_bits + 1
-    st m; ld mirror; jz straight
-    ld dy; sub m; add #0 - 1; st m; ld #0; sub dx; st dx
+    ld dy; add dy; ldq xa; st t; ld dy; shl #subpixel_bits; add #0 - 1; muli t, 22; ldq d; muli dx, 20
+    shr #subpixel_bits + 1; st m; ld mirror; jnz mirrored
 straight:
-    ld dy; shl #column_bits; st wide; add wide; st double; ld wide; add m; ldq #0
+    ld dy; shl #column_bits; st wide; shl #1; st double; ld wide; add m; ldq #0
     div double, 1 + column_bits; jnn whole
     add double
 whole:
@@ -170,29 +183,33 @@ whole_step:
 flat:
     ld #0 - 1; put #error_bits; ld #0; st p+1; put #column_bits; put #edge_bits; ld #0 - 1
     put #error_bits; ret
+mirrored:
+    ld dy; sub m; add #0 - 1; st m; ld #0; sub dx; st dx; jmp straight
 """
 
 _RATIOS = """
 colours:
     ld area; jnn positive
-    call swap_second; ld x2; st t; ld x3; st x2; ld t; st x3; ld y2; st t; ld y3; st y2; ld t; st y3
-    ld #0; sub area; st area
+    call swap_second; ld x2; ldq x3; st x3; stq x2; ld y2; ldq y3; st y3; stq y2; ld #0; sub area; st area
 positive:
     ld #0; sub x3; st nx3; ld #0; sub y2; st ny2; st qy2; ld y3; st qy3; ld area; add area; st double
-    shl #5; st wide; ld major; st column; ld major_step; st step; ld mirror; jz pixel
-    ld #0 - 1; sub column; st column; ld #0; sub step; st step; ld #0; sub y3; st qy3; ld y2; st qy2
+    shl #5; st wide; ld mirror; jnz mirrored_ratios
 pixel:
-    ld column; add column; add #1; shl #subpixel_bits; sub x1; sub x1; st right; ld y; add y; add #1
-    shl #subpixel_bits; sub y1; sub y1; st down; ld wide; shr #1; ldq right; muli y3, 20; ldq down
-    muli nx3, 20; ldq #0; div wide, RATIO_FRAC + 5; ldr; sub offset; st u; ld wide; shr #1
-    ldq down; muli x2, 20; ldq right; muli ny2, 20; ldq #0; div wide, RATIO_FRAC + 5; ldr
-    sub offset; st v; ld nx3; ldq step; muli y3, 16; shl #subpixel_bits - 4; add area; ldq #0
-    div double, RATIO_FRAC + 5; ldr; sub offset; st pu; ld x2; ldq step; muli ny2, 16
-    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; ldr; sub offset; st pv
-    ld qy3; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; ldr
-    sub offset; st qu; ld qy2; shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5
-    ldr; sub offset; st qv; ld quadratic; jnz products
-    jmp channels
+    ld major; add major; add #1; shl #subpixel_bits; sub x1; sub x1; ldq down; st right
+    ld wide; shr #1; st half_wide; muli nx3, 20; ldq right; muli y3, 20; ldq #0; div wide, RATIO_FRAC + 5; ldr
+    sub offset; ldq down; st u; ld half_wide; muli x2, 20; ldq right; muli ny2, 20; ldq #0
+    div wide, RATIO_FRAC + 5; ldr; sub offset; ldq major_step; st v; ld nx3; muli y3, 16
+    shl #subpixel_bits - 4; add area; ldq #0; div double, RATIO_FRAC + 5; ldr; sub offset
+    ldq major_step; st pu; ld x2; muli ny2, 16; shl #subpixel_bits - 4; add area; ldq #0
+    div double, RATIO_FRAC + 5; ldr; sub offset; ldq #0; st pv; ld qy3; shl #subpixel_bits - 4; add area
+    div double, RATIO_FRAC + 5; ldr; sub offset; ldq #0; st qu; ld qy2; shl #subpixel_bits - 4; add area
+    div double, RATIO_FRAC + 5; ldr; sub offset; st qv; ld quadratic; jz channels
+"""
+
+_MIRRORED = """
+mirrored_ratios:
+    ld #0 - 1; sub major; st major; ld #0; sub major_step; st major_step; ld #0; sub y3; st qy3; ld y2
+    st qy2; jmp pixel
 """
 
 PRODUCTS = (
@@ -253,25 +270,15 @@ def _words(terms: tuple[tuple[tuple[str, str], ...], ...], shift: str, first: st
 
 LINEAR_TERMS = tuple(row[3:] for row in TERMS[:3])
 
-_LINEAR = [
-    "ldp v0",
-    "ld p+2",
-    "st i1",
-    "ldp v1",
-    "ld p+2",
-    "sub i1",
-    "st d",
-    "ldp v2",
-    "ld p+2",
-    "sub i1",
-    "st e",
-]
+_LINEAR = """
+    ldp v0; ld p+2; st i1; ldp v1; ld p+2; sub i1; ldp v2; st d; ld p+2; sub i1; ldp #@halves; st e
+"""
 
 _COEFFICIENTS = """
-    ldp v0; ld p+2; st i1; ldp v1; ld p+2; st i2; ldp v2; ld p+2; st i3; ldp m0; ld p+0; st i12; ldp m1
-    ld p+0; st i13; ldp m2; ld p+0; sub i12; sub i13; add i1; shl #2; st c; add c; st c2; ld i1; add i2
-    sub i12; sub i12; shl #1; st a; add a; st a2; ld i1; add i3; sub i13; sub i13; shl #1; st b; add b
-    st b2; ld i2; sub i1; sub a; st d; ld i3; sub i1; sub b; st e
+    ldp v0; ld p+2; st i1; ldp m0; ld p+0; st i12; ldp v1; ld p+2; st i2; add i1; sub i12; sub i12
+    shl #1; st a; shl #1; st a2; ldp m1; ld p+0; st i13; ldp v2; ld p+2; st i3; add i1; sub i13; sub i13
+    shl #1; st b; shl #1; st b2; ldp m2; ld p+0; sub i12; sub i13; add i1; shl #2; st c; shl #1; st c2
+    ld i2; sub i1; sub a; st d; ld i3; sub i1; sub b; st e
 """
 
 
@@ -285,10 +292,11 @@ def program_text() -> str:
     for target, parts, others, then in SUMS:
         (sum_first, one), (sum_second, other) = _factor(parts, "d"), _factor(others, "e")
         lines += [*sum_first, *sum_second, *_product(one, other), *then, f"st {target}"]
-    lines += ["channels:", "align", "ldx #0", "channel:", "ld quadratic", "jnz quadratic_channel"]
-    lines += [*_LINEAR, *_words(LINEAR_TERMS, "shift_colour", "half_colour"), "jmp channel_done"]
+    lines += ["channels:", "align", "ldx #0", "ld quadratic", "jz linear_channel"]
     lines += ["quadratic_channel:", *_COEFFICIENTS.split("\n")]
-    lines += [*_words(TERMS, "shift_colour", "half_colour"), "channel_done:", "loop channel, num_channels"]
-    lines += ["ld #with_depth", "jz main", *_LINEAR, *_words(LINEAR_TERMS, "shift_depth", "half_depth")]
-    lines += ["jmp main"]
-    return "\n".join([_DECODE, _EDGES, _RATIOS, *lines])
+    lines += [*_words(TERMS, "shift_colour", "halves"), "loop quadratic_channel, num_channels"]
+    # The index is now the depth's.
+    lines += ["ld #with_depth", "jz main"]
+    lines += ["linear_channel:", *_LINEAR.split("\n"), *_words(LINEAR_TERMS, "p+5", "p+0")]
+    lines += ["loop linear_channel, num_channels + with_depth", "jmp main"]
+    return "\n".join([_DECODE, _EDGES, _RATIOS, *lines, _MIRRORED])
