@@ -201,8 +201,10 @@ def test_widths_take_the_fewest_bits(packets: list[tuple[int, int, int]]) -> Non
     held = hold(need, count, None, Formats())[:, 0]
     assert held[sends].tolist() in cheapest(need[:, 0].tolist(), count[:, 0].tolist(), None)[1]
     needs = Needs(len(packets), Formats())
-    for channel in range(12):
-        needs.difference(4, below[:, 0], need[:, 0], count[:, 0] > channel)
+    # Twelve channels that share a width.
+    shared, one_each = np.full(12, 4), np.ones((12, 1), np.int64)
+    sent = count[:, 0] > np.arange(12)[:, None]
+    needs.differences(shared, one_each * below[:, 0], one_each * need[:, 0], sent)
     widths = needs.widths(Formats())
     assert np.array_equal(widths[:, 4], below[:, 0])
     needed = np.where(sends, need[:, 0], 0)

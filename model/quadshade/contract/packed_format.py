@@ -8,6 +8,8 @@ The one source: ``scripts/generate_vhdl`` writes ``rtl/generated/packed_pkg.vhd`
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from quadshade.contract.formats import HEADER_FIELDS, SECTIONS, Formats
 
 FILLS = ("zero", "one", "sign")
@@ -44,6 +46,7 @@ SIZES = (
 """Sizes that depend on the formats: name, expression over their names, why."""
 
 
+@lru_cache
 def size_of(name: str, formats: Formats) -> int:
     """One of :data:`SIZES`."""
     return formats.evaluate({size: expression for size, expression, _ in SIZES}[name])
@@ -60,6 +63,7 @@ def field_bits() -> dict[str, str]:
     return {kind: widths[kind] for kind, _ in FIELD_KINDS}
 
 
+@lru_cache
 def packed_fields(formats: Formats) -> tuple[tuple[str, int, int, str], ...]:
     """Fields of both sections from ``y`` on, in order: name, bits, address of its width, fill."""
     kinds = {kind: (FIELD_WIDTHS + index, fill) for index, (kind, fill) in enumerate(FIELD_KINDS)}
@@ -71,11 +75,13 @@ def packed_fields(formats: Formats) -> tuple[tuple[str, int, int, str], ...]:
     )
 
 
+@lru_cache
 def second_at(formats: Formats) -> int:
     """Index of the second section's first field among :func:`packed_fields`."""
     return len(packed_fields(formats)) - len(dict(SECTIONS)["second"])
 
 
+@lru_cache
 def channel_kinds(formats: Formats) -> tuple[int, ...]:
     """Index in :data:`CHANNEL_KINDS` of every carried channel (depth last)."""
     specular = formats.num_specular * formats.with_shade

@@ -10,6 +10,7 @@ they need or change at the price of an address and a value.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,6 @@ from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.shade.render_core import needed_writes
-from quadshade.packing.read_primitives import signed
 from quadshade.packing.widths import Needs, hold
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
@@ -158,31 +158,32 @@ def _write(packets: _Packets, layout: _Layout, out: Words32, starts: Ints) -> in
 
 
 @njit(cache=True)
-def _fill_top_bits(values: Ints, is_signed: bool, out: Ints) -> None:
-    """As :func:`_top_bits`, of a row of values."""
-    for index in range(len(values)):
-        left = ~values[index] if values[index] < 0 else values[index]
-        length = 0
-        while left:
-            left >>= 1
-            length += 1
-        out[index] = length if is_signed else max(length - 1, 0)
+def _top_bits(values: Ints, is_signed: Bools) -> Ints:
+    """
+    The number of the highest bit that has to be sent of each value (k, n); 0 if none has to.
 
-
-def _top_bits(values: np.ndarray, fill: str) -> np.ndarray:
-    """The number of the highest bit that has to be sent of each value; 0 if none has to."""
-    out = np.empty(values.shape, np.int64)
-    _fill_top_bits(values, fill == "sign", out)
+    ``is_signed`` (k,): what stands above is that bit, and not known.
+    """
+    out = np.empty_like(values)
+    for row in range(len(values)):
+        for index in range(values.shape[1]):
+            left = ~values[row, index] if values[row, index] < 0 else values[row, index]
+            length = 0
+            while left:
+                left >>= 1
+                length += 1
+            out[row, index] = length if is_signed[row] else max(length - 1, 0)
     return out
 
 
-def _most_bits(size: int, formats: Formats) -> int:
-    """More bits than packets have, whatever they say."""
+@lru_cache
+def _most_bits(formats: Formats) -> int:
+    """More bits than a packet has, whatever it says."""
     change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
     widths = change << size_of("width_address_bits", formats)
     fields = sum(bits for _, bits, _, _ in packed_fields(formats))
     words = formats.carried_channels * (2 + NUM_DIFFERENCES * formats.word_width)
-    return size * (3 + NUM_RAW + widths + fields + words + SETUP_WORD_BITS)
+    return 3 + NUM_RAW + widths + fields + words + SETUP_WORD_BITS
 
 
 def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
@@ -190,7 +191,7 @@ def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
     kinds = np.array(channel_kinds(formats))
     shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
     sent = np.array(DIFFERENCES_OF_ORDER)[primitives.orders][:, :, None] > np.arange(NUM_DIFFERENCES)
-    for kind in np.unique(kinds):
+    for kind in sorted(set(channel_kinds(formats))):
         words = np.bitwise_or.reduce((primitives.words * sent)[:, kinds == kind], axis=1)
         # Below the lowest bit that is set; of words of 0, as many as there are.
         below = np.bitwise_count((words & -words) - 1).astype(np.int64)
@@ -199,27 +200,66 @@ def _zeros_below(primitives: Primitives, formats: Formats) -> np.ndarray:
     return shifts
 
 
+class _FieldTable(NamedTuple):
+    """
+    Columns of :func:`packed_fields`, an entry a field.
+
+    ``halves`` (k, 1) are what a field's highest bit counts, 0 if it is never below zero; ``is_signed`` (k,)
+    where that bit stands above.
+    """
+
+    names: tuple[str, ...]
+    bits: Ints
+    addresses: Ints
+    halves: Ints
+    is_signed: Bools
+
+
+@lru_cache
+def _field_table(formats: Formats) -> _FieldTable:
+    names, bits, addresses, fills = zip(*packed_fields(formats), strict=True)
+    halves = [0 if fill == "zero" else 1 << (width - 1) for width, fill in zip(bits, fills, strict=True)]
+    is_signed = np.array([fill == "sign" for fill in fills])
+    return _FieldTable(names, np.array(bits), np.array(addresses), np.array(halves)[:, None], is_signed)
+
+
+@lru_cache
+def _difference_table(formats: Formats) -> np.ndarray:
+    """(3, k) int64: of each difference that any packet may have its channel, its number, the channel's kind."""
+    kinds, orders = channel_kinds(formats), formats.channel_max_order
+    rows = [
+        (channel, difference, kind)
+        for channel, (kind, order) in enumerate(zip(kinds, orders, strict=True))
+        for difference in range(DIFFERENCES_OF_ORDER[order])
+    ]
+    return np.array(rows, np.int64).T
+
+
 def _laid_out(
     primitives: Primitives, shifts: np.ndarray, has_second: np.ndarray, formats: Formats
 ) -> tuple[np.ndarray, Needs]:
     """(n, fields) values of the packets' fields from y on, and what widths they and the words need."""
-    size, first_second = len(primitives), second_at(formats)
-    needs = Needs(size, formats)
-    values = np.zeros((size, len(packed_fields(formats))), np.int64)
-    for index, (name, bits, address, fill) in enumerate(packed_fields(formats)):
-        sent = has_second if index >= first_second else np.ones(size, bool)
-        raw = field_values(primitives, name, formats)
-        values[:, index] = np.where(sent, raw if fill == "zero" else signed(raw, bits), 0)
-        needs.top(address, _top_bits(values[:, index], fill), sent)
-    differences = np.array(DIFFERENCES_OF_ORDER)[primitives.orders]
-    for channel, (kind, order) in enumerate(
-        zip(channel_kinds(formats), formats.channel_max_order, strict=True)
-    ):
-        for difference in range(DIFFERENCES_OF_ORDER[order]):
-            top = _top_bits(primitives.words[:, channel, difference], "sign")
-            address = KIND_WIDTHS * kind + 2 * difference
-            needs.difference(address, shifts[kind, :, difference], top, differences[:, channel] > difference)
-    return values, needs
+    size = len(primitives)
+    needs, table = Needs(size, formats), _field_table(formats)
+    values = np.empty((len(table.names), size), np.int64)
+    for row, name in zip(values, table.names, strict=True):
+        row[:] = field_values(primitives, name, formats)
+    # Two's complement, sign extended, but for what is never below zero.
+    values = ((values + table.halves) & (2 * table.halves - 1)) - table.halves
+    sent = np.ones(values.shape, np.bool_)
+    sent[second_at(formats) :] = has_second
+    values *= sent
+    needs.tops(table.addresses, _top_bits(values, table.is_signed), sent)
+    channels, differences, kinds = _difference_table(formats)
+    words = np.ascontiguousarray(primitives.words[:, channels, differences].T)
+    sent = np.array(DIFFERENCES_OF_ORDER)[primitives.orders].T[channels] > differences[:, None]
+    needs.differences(
+        KIND_WIDTHS * kinds + 2 * differences,
+        shifts[kinds, :, differences],
+        _top_bits(words, np.ones(len(words), np.bool_)),
+        sent,
+    )
+    return np.ascontiguousarray(values.T), needs
 
 
 def error_budgets(formats: Formats, error: float, state: ShadeState | None = None) -> np.ndarray:
@@ -306,14 +346,14 @@ def pack_primitives(
         np.zeros(size, np.bool_) if aligned is None else aligned,
     )
     layout = _Layout(
-        np.array([bits for _, bits, _, _ in packed_fields(formats)]),
-        np.array([address for _, _, address, _ in packed_fields(formats)]),
+        _field_table(formats).bits,
+        _field_table(formats).addresses,
         np.array(channel_kinds(formats)),
         size_of("width_bits", formats),
         size_of("width_address_bits", formats),
     )
     starts = np.zeros(size + 1, np.int64)
-    room = np.zeros(_most_bits(size, formats) // SETUP_WORD_BITS + 1, np.uint32)
+    room = np.zeros(size * _most_bits(formats) // SETUP_WORD_BITS + 1, np.uint32)
     bits = _write(packets, layout, room, starts)
     words = room[: -(-bits // SETUP_WORD_BITS)].copy()
     added = (primitives.bound - before)[:, : formats.num_channels]

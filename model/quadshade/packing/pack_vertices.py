@@ -17,19 +17,14 @@ from numba import njit
 
 from quadshade.choices import PACK_ERROR
 from quadshade.contract.arrays import Bools, Floats, Ints
-from quadshade.contract.formats import CONSTANT, QUADRATIC, SETUP_WORD_BITS, Formats
+from quadshade.contract.formats import QUADRATIC, SETUP_WORD_BITS, Formats
 from quadshade.contract.triangles import ScreenTriangles
-from quadshade.contract.vertex_program import (
-    LARGEST_RUN,
-    LARGEST_SPAN,
-    LARGEST_TRIM,
-    SAMPLE_FRAC,
-    takes_formats,
-)
+from quadshade.contract.vertex_program import LARGEST_RUN, SAMPLE_FRAC, takes_formats
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.packing.pack import Packed, pack_primitives
 from quadshade.packing.vertex_code import Tokens, code_parameters, run_head, write_tokens
+from quadshade.packing.vertex_points import points_of
 from quadshade.packing.vertex_set_up import COVER_WIDTH, EDGE, EDGES, HEADER, board_of, set_up, usual_order
 from quadshade.packing.vertices import MOST_TOKENS, Points, tokens_of
 from quadshade.setup.packet import Primitives
@@ -58,44 +53,6 @@ def sample_bits(primitives: Primitives, error: float) -> int | None:
         if grows * 0.5 ** (bits + 1) <= SHARE * error:
             return bits
     return None
-
-
-def _points(primitives: Primitives, triangles: ScreenTriangles, formats: Formats, bits: int) -> Points:
-    """The points of all primitives, and which of them may be sent as such."""
-    owners = primitives.triangle
-    vertices = np.ascontiguousarray(triangles.vertices[owners], np.int64)
-    samples = np.rint(triangles.samples[owners] * 2.0**bits).astype(np.int64)
-    orders = primitives.orders[:, : formats.num_channels]
-    linear = samples.copy()
-    # What a channel of a lower order leaves out of its samples.
-    linear[:, :, 1:3] = np.where((orders == CONSTANT)[:, :, None], samples[:, :, :1], samples[:, :, 1:3])
-    middles = (linear[:, :, (0, 0, 1)] + linear[:, :, (1, 2, 2)]) >> 1
-    middles = np.where((orders == QUADRATIC)[:, :, None], samples[:, :, 3:], middles)
-    columns = [vertices, np.swapaxes(linear[:, :, :3], 1, 2)]
-    alone = np.bincount(owners, minlength=len(triangles))[owners] == 1
-    sent = alone & (primitives.header["fractional"] == 0) & ~primitives.undefined
-    if formats.with_depth:
-        if triangles.depth is None:
-            sent[:] = False
-            columns.append(np.zeros((len(owners), 3, 1), np.int64))
-        else:
-            columns.append(np.rint(triangles.depth[owners]).astype(np.int64)[:, :, None])
-    pixel, size = 1 << formats.subpixel_bits, 1 << (formats.coord_bits + formats.subpixel_bits)
-    spans = vertices.max(axis=1) - vertices.min(axis=1)
-    sent &= (vertices >= 0).all(axis=(1, 2)) & (vertices <= size).all(axis=(1, 2))
-    sent &= (spans < 1 << LARGEST_SPAN).all(axis=1)
-    first = (2 * vertices[:, :, 1] + pixel - 1) >> (formats.subpixel_bits + 1)
-    head = primitives.header
-    rows = head["y"] + head["rows_first"] + head["rows_second"]
-    trims = np.stack([head["y"] - first.min(axis=1), first.max(axis=1) - rows], axis=1)
-    sent &= ((trims >= 0) & (trims <= LARGEST_TRIM)).all(axis=1)
-    return Points(
-        np.ascontiguousarray(np.concatenate(columns, axis=2)),
-        np.ascontiguousarray(np.swapaxes(middles, 1, 2)),
-        (orders == QUADRATIC).any(axis=1),
-        trims,
-        sent,
-    )
 
 
 class _Line(NamedTuple):
@@ -207,12 +164,13 @@ def choose_vertices(
     shift_depth = formats.frac_bits - SAMPLE_FRAC - formats.depth_frac_bits if formats.with_depth else 0
     if shift_depth < 0:
         return None
-    points = _points(primitives, triangles, formats, bits)
+    covers = covers_of(primitives)
+    points = points_of(primitives, triangles, covers, formats, bits)
     if not points.sent.any():
         return None
+    regions = primitive_regions(primitives)
     parameters = np.array([0, 0, 0, 0, bits - SAMPLE_FRAC, shift_depth])
     board = board_of(formats, bits - SAMPLE_FRAC, shift_depth)
-    covers, regions = covers_of(primitives), primitive_regions(primitives)
     drawn = np.zeros_like(covers)
     words = np.zeros_like(primitives.words)
     added = np.zeros((len(primitives), formats.carried_channels))

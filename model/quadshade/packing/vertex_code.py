@@ -51,19 +51,39 @@ def _ones(left: Int, k: Int) -> int:
     return ones
 
 
+def _small_costs(size: int, most: int) -> Ints:
+    """(size, most) int64: bits of folded residuals from 0 on, with each parameter."""
+    parameters = np.arange(most)
+    # As :func:`_ones`: the bits of a number, but one.
+    ones = np.frexp((np.arange(size)[:, None] >> parameters) + 1.0)[1].astype(np.int64) - 1
+    return 2 * ones + 1 + parameters
+
+
+_SMALL_COSTS = _small_costs(128, 16)
+
+
 @njit(cache=True)
 def code_parameters(tokens: Tokens, count: int, parameters: Ints) -> None:
     """The parameter of each kind of residuals with the fewest bits (``parameters``, (4,))."""
-    most = 16
+    size, most = _SMALL_COSTS.shape
     costs = np.zeros((NUM_CODED, most), np.int64)
+    # Most are small: how often each of those comes.
+    small = np.zeros((NUM_CODED, size), np.int64)
     for at in range(count):
         kind = tokens.kinds[at]
-        if kind < NUM_CODED:
-            left = _folded(tokens.values[at])
-            for k in range(most):
-                ones = _ones(left, k)
-                costs[kind, k] += 2 * ones + 1 + k if ones < LONGEST_PREFIX else LONGEST_PREFIX + LONG_BITS
+        if kind >= NUM_CODED:
+            continue
+        left = _folded(tokens.values[at])
+        if left < size:
+            small[kind, left] += 1
+            continue
+        for k in range(most):
+            ones = _ones(left, k)
+            costs[kind, k] += 2 * ones + 1 + k if ones < LONGEST_PREFIX else LONGEST_PREFIX + LONG_BITS
     for kind in range(NUM_CODED):
+        for left in range(size):
+            for k in range(most):
+                costs[kind, k] += small[kind, left] * _SMALL_COSTS[left, k]
         parameters[kind] = np.argmin(costs[kind])
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.contract.arrays import Ints
+from quadshade.contract.arrays import Bools, Ints
 from quadshade.contract.formats import Formats
 from quadshade.contract.packed_format import size_of
 
@@ -57,16 +57,23 @@ def _hold_one(
 
 
 @njit(cache=True)
-def _hold_column(need: Ints, count: Ints, below: Ints, is_top: bool, change: int, out: Ints) -> None:
-    """As :func:`_hold_one`, of values as they are; ``out`` stays where no packet sends a field."""
-    lowest, highest = NEVER, -NEVER
-    for p in range(len(need)):
-        if count[p] > 0:
-            lowest, highest = min(lowest, need[p]), max(highest, need[p])
-    if highest >= lowest:
-        # No other value is ever the cheapest.
-        _hold_one(need - lowest, count, below - lowest, is_top, change, 1 + highest - lowest, out)
-        out += lowest
+def _hold_rows(need: Ints, count: Ints, below: Ints, is_top: bool, change: int, out: Ints) -> None:
+    """
+    As :func:`_hold_one` of each row (k, n), of values as they are.
+
+    ``out`` stays where no packet sends a field.
+    """
+    for index in range(len(need)):
+        lowest, highest = NEVER, -NEVER
+        for p in range(need.shape[1]):
+            if count[index, p] > 0:
+                lowest, highest = min(lowest, need[index, p]), max(highest, need[index, p])
+        if highest >= lowest:
+            # No other value is ever the cheapest.
+            states = 1 + highest - lowest
+            row = out[index]
+            _hold_one(need[index] - lowest, count[index], below[index] - lowest, is_top, change, states, row)
+            row += lowest
 
 
 def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats: Formats) -> np.ndarray:
@@ -88,12 +95,29 @@ def hold(need: np.ndarray, count: np.ndarray, below: np.ndarray | None, formats:
     (n, k) int64
     """
     change = 1 + size_of("width_address_bits", formats) + size_of("width_bits", formats)
-    out = np.zeros(need.shape[::-1], np.int64).T
+    out = np.zeros(need.shape[::-1], np.int64)
     lower = need if below is None else below
-    for index in range(need.shape[1]):
-        needed, counted, least = (np.ascontiguousarray(table[:, index]) for table in (need, count, lower))
-        _hold_column(needed, counted, least, below is not None, change, out.T[index])
-    return out
+    needed, counted, least = (np.ascontiguousarray(table.T) for table in (need, count, lower))
+    _hold_rows(needed, counted, least, below is not None, change, out)
+    return out.T
+
+
+@njit(cache=True)
+def _count_sent(addresses: Ints, sent: Bools, count: Ints) -> None:
+    """Add fields that packets send to those at each address (``count``, (addresses, n))."""
+    for row, address in enumerate(addresses):
+        for p in range(sent.shape[1]):
+            count[address, p] += sent[row, p]
+
+
+@njit(cache=True)
+def _need_tops(addresses: Ints, tops: Ints, sent: Bools, need: Ints, count: Ints) -> None:
+    """As :meth:`Needs.tops`; ``need`` and ``count`` (addresses, n)."""
+    for row, address in enumerate(addresses):
+        for p in range(sent.shape[1]):
+            if sent[row, p]:
+                need[address, p] = max(need[address, p], tops[row, p])
+    _count_sent(addresses, sent, count)
 
 
 class Needs:
@@ -114,17 +138,20 @@ class Needs:
         self.need, self.count, self.below = (np.zeros((addresses, size), np.int64).T for _ in range(3))
         self.is_below = np.zeros(addresses, bool)
 
-    def top(self, address: int, top: np.ndarray, sent: np.ndarray) -> None:
-        """A field that needs its bits up to ``top``, in the packets that send it."""
-        self.need[:, address] = np.maximum(self.need[:, address], np.where(sent, top, 0))
-        self.count[:, address] += sent
+    def tops(self, addresses: Ints, tops: Ints, sent: Bools) -> None:
+        """
+        Fields (k, n) that need their bits up to ``tops``, in the packets that send them.
 
-    def difference(self, address: int, shifts: np.ndarray, top: np.ndarray, sent: np.ndarray) -> None:
-        """A difference of a channel, without its bits below ``shifts``."""
-        self.top(address + 1, top, sent)
-        self.is_below[address] = True
-        self.below[:, address + 1] = self.need[:, address] = shifts
-        self.count[:, address] += sent
+        ``addresses`` (k,) of their widths may come more than once.
+        """
+        _need_tops(addresses, tops, sent, self.need.T, self.count.T)
+
+    def differences(self, addresses: Ints, shifts: Ints, tops: Ints, sent: Bools) -> None:
+        """Differences (k, n) of channels, without their bits below ``shifts``."""
+        self.tops(addresses + 1, tops, sent)
+        self.is_below[addresses] = True
+        self.below.T[addresses + 1] = self.need.T[addresses] = shifts
+        _count_sent(addresses, sent, self.count.T)
 
     def widths(self, formats: Formats) -> np.ndarray:
         """(n, addresses) int64: the widths of every packet. Bits below are held already."""

@@ -168,7 +168,7 @@ def short_words(
     words, bounds = primitives.words.copy(), primitives.bound.copy()
     room = np.zeros(1, FIT)[0]
     shifts = np.zeros((len(CHANNEL_KINDS), len(primitives), NUM_DIFFERENCES), np.int64)
-    for kind in np.unique(kinds):
+    for kind in sorted(set(channel_kinds(formats))):
         channels = np.flatnonzero(kinds == kind)
         given = _Channels(primitives.words, primitives.orders, channels, budgets * scale, formats.word_width)
         most, used = np.zeros((len(primitives), NUM_DIFFERENCES), np.int64), np.zeros(len(primitives))
