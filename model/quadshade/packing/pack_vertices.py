@@ -131,6 +131,10 @@ class VertexPacked:
         self.primitives = primitives
         self.sent: Bools = points.sent
 
+    def tokens(self) -> Tokens:
+        """What the line carries of those that are sent and between them, in its order; numbers uncoded."""
+        return Tokens(*(column[: self._line.num_tokens] for column in self._line.tokens))
+
     def words(self, packed: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """(m,) uint32 for the line, with runs of packed words of the others between."""
         return _encode(self._line, self._parameters, packed, ends)

@@ -11,17 +11,10 @@ import pytest
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.packing.pack import pack_primitives
+from quadshade.packing.pack_vertices import choose_vertices
 from quadshade.setup.triangle_setup import setup_triangles
-from scripts.experiments.link_parts import (
-    EDGES,
-    LEVEL,
-    PARTS,
-    Costs,
-    packed_costs,
-    part_rows,
-    rice_bits,
-    shared_costs,
-)
+from scripts.experiments.link_parts import PARTS, packed_costs, part_rows, vertex_costs
+from scripts.experiments.shared_points import EDGES, LEVEL, Costs, rice_bits, shared_costs
 
 
 def fan(count: int, order: int) -> ScreenTriangles:
@@ -42,13 +35,32 @@ def test_parts_are_all_that_is_sent(order: int) -> None:
     costs = packed_costs(batch, formats)
     assert sum(costs.bits.values()) == batch.starts[-1]
     assert set(costs.bits) == set(PARTS)
-    rows = part_rows(batch, formats, triangles)
-    assert [row["way"] for row in rows][::2] == ["packed", "points", "points, fixed widths"]
+    rows = {row["way"]: row for row in part_rows(batch, formats, triangles, None)}
+    assert list(rows)[::2] == ["packed", "points", "points, fixed widths", "limit"]
     # 11 corners, 9 spokes and 10 more middles: 2 bits, 2 x 15, 16, 3 x 13.
     curved = 19 * 39 if order == 2 else 0
-    assert rows[4]["all"] == pytest.approx((9 * 2 + 11 * (30 + 16 + 39) + curved) / 8 / 9, abs=0.01)
-    assert rows[2]["all"] < rows[0]["all"] / 2
-    assert all(row["all"] == pytest.approx(sum(row[part] for part in PARTS), abs=0.03) for row in rows)
+    assert rows["points, fixed widths"]["all"] == pytest.approx(
+        (9 * 2 + 11 * (30 + 16 + 39) + curved) / 8 / 9, abs=0.01
+    )
+    # Half a corner, and one and a half middles.
+    owned = (2 + 85 / 2 + (39 * 3 / 2 if order == 2 else 0)) / 8
+    assert rows["limit, fixed widths"]["all"] == pytest.approx(owned, abs=0.01)
+    assert rows["points"]["all"] < rows["packed"]["all"] / 2
+    for row in rows.values():
+        assert row["all"] == pytest.approx(sum(row[part] for part in PARTS), abs=0.03)
+        assert row["above"] == pytest.approx(row["all"] - rows["limit"]["all"], abs=0.02)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_parts_of_vertices_are_all_that_is_sent(order: int) -> None:
+    formats, triangles = Formats(), fan(9, order)
+    chosen = choose_vertices(setup_triangles(triangles, formats), triangles, formats, 0.25)
+    assert chosen is not None and chosen.sent.all()
+    costs = vertex_costs(chosen.tokens())
+    words = chosen.words(np.zeros(0, np.uint32), np.zeros(0, np.int64))
+    # Beside parameters, and zeros up to the end of the last word.
+    bits = 3 + 6 * 5 + sum(costs.bits.values())
+    assert set(costs.bits) == set(PARTS) and 0 <= 32 * len(words) - bits < 32
 
 
 def test_a_fan_sends_a_corner_and_two_middles_a_triangle() -> None:
