@@ -227,6 +227,10 @@ sdram: setup ## what a picture in SDRAM takes of memory, line and clocks, write 
 faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/faults_rtl.md
 	@$(VENV) -m scripts.experiments.link_faults_rtl
 
+.PHONY: fuzz-vertices
+fuzz-vertices: setup ## pack meshes at the limits, unpack damaged packets in model and RTL (minutes); COUNT=300, SEED=
+	@QUADSHADE_FUZZ=$(or $(COUNT),300) $(PYTEST) tests/test_vertex_fuzz.py cocotb_tests/link/test_vertex_unpacker.py
+
 .PHONY: mutation
 mutation: setup ## which changes of the RTL the benches notice (hours); UNIT=, SEED=, COUNT=, ALL=1; goes on
 	@nice $(VENV) -m scripts.mutation.rtl --jobs $(JOBS) --seed $(SEED) $(if $(UNIT),--unit $(UNIT)) \

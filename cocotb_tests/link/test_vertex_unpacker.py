@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -18,6 +19,7 @@ from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from quadshade.packing.pack_vertices import choose_vertices
 from quadshade.setup.triangle_setup import setup_triangles
+from tests.support.vertex_stimuli import KINDS, Echo, damaged, most_clocks
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class Config:
 
 QUIET = 3000
 """Cycles without a word after which none will come: more than a packet's ratios and products take."""
+
+STREAMS = int(os.environ.get("QUADSHADE_FUZZ") or len(KINDS))
 
 CONFIGS = [
     Config(),
@@ -83,30 +87,21 @@ def strip(bench: Bench, count: int) -> ScreenTriangles:
 def packets(bench: Bench, count: int, runs: int = 0) -> tuple[np.ndarray, list[int], VertexUnpacker]:
     """Words, some of them in runs of packed ones; the set-up words that come; the model after them."""
     formats = bench.config.formats
-    triangles = strip(bench, count)
-    primitives = setup_triangles(triangles, formats, limit=None)
-    # Those are never sent as vertices.
-    primitives.undefined[bench.draw.sample(range(len(primitives)), runs)] = True
-    chosen = choose_vertices(primitives, triangles, formats, 0.25)
-    assert chosen is not None and chosen.sent.any()
+    chosen = None
+    while chosen is None or not chosen.sent.any():
+        triangles = strip(bench, count)
+        primitives = setup_triangles(triangles, formats, limit=None)
+        if len(primitives) <= runs:
+            continue
+        # Those are never sent as vertices.
+        primitives.undefined[bench.draw.sample(range(len(primitives)), runs)] = True
+        chosen = choose_vertices(primitives, triangles, formats, 0.25)
     ends = np.cumsum([bench.draw.randint(1, 4) for _ in range(len(chosen.sent))])
     words = chosen.words(np.array([bench.bits(32) | 1 for _ in range(ends[-1])], np.uint32), ends)
     model = VertexUnpacker(formats)
     model.plain = Echo()
     expected = [int(word) for _, _, given in model.packets(words) for word in given]
     return words, expected, model
-
-
-class Echo:
-    """Stands for the packed words' unpacker: what goes in comes out, but for zeros."""
-
-    within = False
-
-    def feed(self, words: np.ndarray) -> np.ndarray:
-        return np.asarray(words, np.uint32)[np.asarray(words) != 0]
-
-    def reset(self) -> None:
-        """Nothing is kept."""
 
 
 async def unpack(
@@ -201,6 +196,36 @@ async def junk(dut: Any) -> None:
     words, expected, _ = packets(bench, 2)
     await unpack(bench, words, expected, "full_speed", "full_speed", "after junk")
     bench.finish(at_least=10)
+
+
+@cocotb.test(timeout_time=2 * STREAMS, timeout_unit="ms")
+async def damage(dut: Any) -> None:
+    """
+    Packets that are damaged, spliced, cut short or random: the model's words, in no more clocks than it says.
+
+    ``QUADSHADE_FUZZ`` streams, one of each kind in turn; `make fuzz-vertices` has many.
+    """
+    bench = Bench(dut, Config, "damage")
+    await bench.start(*INPUTS)
+    for index in range(STREAMS):
+        kind = KINDS[index % len(KINDS)]
+        whole, _, _ = packets(bench, 3, runs=index % 2)
+        words = damaged(bench.draw, kind, whole, 12 if STREAMS <= len(KINDS) else 60)
+        model = VertexUnpacker(bench.config.formats)
+        model.plain = Echo()
+        given = [int(word) for _, _, some in model.packets(words) for word in some]
+        begin = bench.cycle
+        sped = "full_speed" if index % 3 else "throttled"
+        taken_at = await unpack(bench, words, given + model.begun, sped, sped, (index, kind))
+        bench.check("busy", bool(dut.busy.value), model.within, None, (index, kind))
+        if kind == "zeros":
+            bench.check("words of zeros", len(taken_at), 0)
+        elif sped == "full_speed" and taken_at:
+            # The one that is begun may take as long as any.
+            most = model.clocks + most_clocks(bench.config.formats) + 2 * len(given)
+            bench.check("cycles at most", taken_at[-1] - begin <= most, True, None, (index, kind))
+        await bench.reset()
+    bench.finish(at_least=STREAMS)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
