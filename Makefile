@@ -228,8 +228,9 @@ faults-rtl: setup ## damage the line to a board in RTL, write docs/reports/fault
 	@$(VENV) -m scripts.experiments.link_faults_rtl
 
 .PHONY: fuzz-vertices
-fuzz-vertices: setup ## pack meshes at the limits, unpack damaged packets in model and RTL (minutes); COUNT=300, SEED=
-	@QUADSHADE_FUZZ=$(or $(COUNT),300) $(PYTEST) tests/test_vertex_fuzz.py cocotb_tests/link/test_vertex_unpacker.py
+fuzz-vertices: setup ## vertex packets at the limits and damaged, in model and RTL (minutes); COUNT=300
+	@QUADSHADE_FUZZ=$(or $(COUNT),300) \
+	  $(PYTEST) tests/test_vertex_fuzz.py cocotb_tests/link/test_vertex_unpacker.py
 
 .PHONY: mutation
 mutation: setup ## which changes of the RTL the benches notice (hours); UNIT=, SEED=, COUNT=, ALL=1; goes on

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anything packed as vertices, and anything at all unpacked: meshes at the limits, packets that are damaged."""
+"""Anything packed as vertices, anything at all unpacked: meshes at the limits, damaged packets."""
 
 from __future__ import annotations
 

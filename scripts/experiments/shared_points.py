@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A line that would send corners and edge middles, each once for the triangles that have it, in a Rice code."""
+"""A line that would send corners and edge middles, each once for its triangles, in a Rice code."""
 
 from __future__ import annotations
 

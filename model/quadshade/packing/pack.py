@@ -225,7 +225,7 @@ def _field_table(formats: Formats) -> _FieldTable:
 
 @lru_cache
 def _difference_table(formats: Formats) -> np.ndarray:
-    """(3, k) int64: of each difference that any packet may have its channel, its number, the channel's kind."""
+    """(3, k) int64: of each difference that a packet may have its channel, number, and the channel's kind."""
     kinds, orders = channel_kinds(formats), formats.channel_max_order
     rows = [
         (channel, difference, kind)
