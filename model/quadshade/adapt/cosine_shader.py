@@ -43,7 +43,7 @@ STEPS = 16
 """Of fitting together."""
 LEVEL = 0.01
 """Output units that a specular channel of a higher order has to be better by."""
-FINE = 1e-4
+FINE = 0.02
 """Output units that no picture saves anything by: nothing better is looked for."""
 ROUGH, LEAST_ROUGH = 0.04, 0.02
 """Of an error, and output units: what a table may cost where channels do not reach its finest entries."""
