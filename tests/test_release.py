@@ -20,7 +20,7 @@ from quadshade.files.word_file import table_path
 from quadshade.rendering.groups import SetupChoice
 from quadshade.rendering.words import file_words
 from scripts.release import fusesoc
-from scripts.release.__main__ import archive, bitstreams, changes, files
+from scripts.release.__main__ import BOARDS, archive, bitstreams, changes, files, without_bitstream
 
 ROOT = Path(__file__).resolve().parents[1]
 DESIGN = ROOT / "examples" / "design"
@@ -79,6 +79,19 @@ def test_bitstreams_are_those_that_this_host_talks_to(tmp_path: Path) -> None:
     text, data = found.pop("bitstreams/now.bit")
     assert not found and old == ["alone.fs", "before.bin"] and data == b"bits"
     assert text == "`now` for ecp5-25k-6, screen 160 x 120, MHz after place-and-route: clk 101.5 of 100"
+
+
+def test_boards_without_a_bitstream_are_named(content: dict[str, bytes]) -> None:
+    """With what builds one, in one line, on the screen and in the archive's README."""
+    boards = {path.stem for path in BOARDS.glob("*.toml")}
+    assert {*re.findall(r"[\w-]+", without_bitstream([]).split(";")[0])} >= boards
+    line = without_bitstream(["bitstreams/colorlight-i5.bit"], ["ulx3s-85f.bit"])
+    assert not {"colorlight-i5", "ulx3s-85f"} & {*re.findall(r"[\w-]+", line)}
+    assert "icebreaker, " in line and "`make bitstream BOARD=icebreaker`" in line and "\n" not in line
+    assert without_bitstream([f"bitstreams/{name}.bit" for name in boards]) == ""
+    readme = content["README.md"].decode()
+    built = [name for name in content if name.startswith("bitstreams/")]
+    assert without_bitstream(built) in readme
 
 
 def test_its_readme_runs(unpacked: Path) -> None:

@@ -14,6 +14,7 @@ import json
 import re
 import tarfile
 import tomllib
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import click
@@ -29,6 +30,7 @@ from scripts.one_line_errors import one_line_errors
 ROOT = Path(__file__).resolve().parents[2]
 NETLISTS = ROOT / "synth" / "netlists.toml"
 BITSTREAMS = ROOT / "build" / "bitstream"
+BOARDS = ROOT / "synth" / "boards"
 HOOK = ROOT / "synth" / "fusesoc" / "cells.py"
 BENCH = ("core_tb.vhd", "core_tb.v", "triangles.json", "words.hex", "words.pixels.csv")
 
@@ -54,6 +56,10 @@ Quadratic shading for small FPGAs. Format and protocol definition {definition:08
 
     cd examples/design && iverilog -o core core_tb.v ../../netlists/raster_core.v && vvp -n core
 """
+
+NOT_BUILT = (
+    "no bitstream of {names}; `make bitstream BOARD={first}` builds one, `make bitstreams` all, in hours"
+)
 
 
 def changes() -> str:
@@ -106,11 +112,38 @@ def bitstreams(folder: Path) -> tuple[dict[str, tuple[str, bytes]], list[str]]:
     return found, old
 
 
+def without_bitstream(built: Collection[str], old: Sequence[str] = ()) -> str:
+    """
+    Names the boards that a bitstream can be built for and that have none.
+
+    Parameters
+    ----------
+    built : collection of str
+      Files of the archive.
+    old : sequence of str
+      Bitstreams that were left out, and are named elsewhere.
+
+    Returns
+    -------
+    str
+      A line without its end; empty where every board has one.
+    """
+    present = {Path(name).stem for name in (*built, *old)}
+    names = [
+        path.stem
+        for path in sorted(BOARDS.glob("*.toml"))
+        if "top" in tomllib.loads(path.read_text()) and path.stem not in present
+    ]
+    return NOT_BUILT.format(names=", ".join(names), first=names[0]) if names else ""
+
+
 def files(folder: Path = BITSTREAMS) -> dict[str, bytes]:
     """Every file of the archive by name, with the bitstreams of a folder."""
     written, (built, _) = netlists(), bitstreams(folder)
     rows = [f"| `{name}` | {text} |" for name, (text, _) in (written | built).items()]
     about = ABOUT.format(version=quadshade.__version__, definition=definition_hash(), rows="\n".join(rows))
+    if line := without_bitstream(built):
+        about += f"\nIn this archive is {line} (in a checkout).\n"
     copied = [ROOT / "LICENSE", ROOT / "quadshade.core", ROOT / "rtl" / "files.f", *rtl_files(ROOT), HOOK]
     copied += [ROOT / "examples" / "design" / name for name in BENCH]
     content = {str(path.relative_to(ROOT)): path.read_bytes() for path in copied}
@@ -148,12 +181,15 @@ def main(output: Path) -> None:
     write_bytes(path, archive(content, folder))
     built = sum(name.startswith("bitstreams/") for name in content)
     click.echo(f"{path}: {len(content)} files, {built} bitstreams")
-    for name in bitstreams(BITSTREAMS)[1]:
+    old = bitstreams(BITSTREAMS)[1]
+    for name in old:
         click.echo(
-            f"release: {name} is of another protocol, and left out; `make bitstream` builds it anew", err=True
+            f"release: {name} is of another protocol, and left out;"
+            f" `make bitstream BOARD={Path(name).stem}` builds it anew",
+            err=True,
         )
-    if not built:
-        click.echo("release: no bitstream is built here; `make bitstreams` builds all", err=True)
+    if line := without_bitstream(content, old):
+        click.echo(f"release: {line}", err=True)
 
 
 if __name__ == "__main__":
