@@ -12,6 +12,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from quadshade.board.settings import board_settings
 from quadshade.contract.releases import definition_hash
 from quadshade.engine.sources import repository_root
 from quadshade.engine.tool_runner import announce, run_tool
@@ -44,12 +45,22 @@ of a LUT. The definition is the hash of formats, packet layout and protocol that
 
 
 def board_of(name: str | None) -> BoardFile:
-    """The board of the command line."""
+    """
+    The board of the command line.
+
+    Raises
+    ------
+    QuadshadeError
+      None is given, its file is wrong, or it has generics that no board can have.
+    """
     root = repository_root()
     if not name:
         names = ", ".join(sorted(path.stem for path in (root / "synth" / "boards").glob("*.toml")))
         raise QuadshadeError("no board is given", f"give BOARD=...: {names}")
-    return read_board(name, root)
+    board = read_board(name, root)
+    # Generics are what a simulated board's are checked for, before GHDL is asked.
+    board_settings(None, None, board.generics)
+    return board
 
 
 def install(board: BoardFile, root: Path) -> None:

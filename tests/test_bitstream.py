@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from quadshade.board.settings import board_settings
 from quadshade.engine.netlist import write_netlist
@@ -34,6 +35,7 @@ from quadshade.synthesis.flow import run_yosys
 from quadshade.synthesis.mapping import CHECKED
 from scripts import bitstream
 from scripts.bitstream import page
+from tests.support.own_board import CONSTRAINTS, NO_TOP, OWN, own_board
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "synth" / "boards"
@@ -79,31 +81,6 @@ def test_board_is_one_that_can_be_built(name: str) -> None:
     assert set(board.generics) <= set(generics)
 
 
-CONSTRAINTS = (
-    'LOCATE COMP "clk" SITE "G2";\nLOCATE COMP "led[0]" SITE "B2";\nLOCATE COMP "led[1]" SITE "C2";\n'
-)
-
-
-def own_board(folder: Path, entries: str, constraints: str = CONSTRAINTS) -> Path:
-    """The root of a checkout with one board, of two lights."""
-    boards = folder / "synth" / "boards"
-    boards.mkdir(parents=True)
-    (boards / "own.v").write_text("module top (input clk, // led [7:0]\n  output [1:0] led);\nendmodule\n")
-    (boards / "own.lpf").write_text(constraints)
-    (boards / "own.toml").write_text(entries)
-    return folder
-
-
-OWN = """\
-device = "ecp5-25k-6"
-top = "own.v"
-constraints = "own.lpf"
-program = []
-clocks = {clk = 100}
-generics = {}
-"""
-
-
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
@@ -114,6 +91,18 @@ generics = {}
         (OWN.replace("own.lpf", "lost.lpf"), "names synth/boards/lost.lpf, which is not there"),
         (OWN + 'parts = ["gpdi.v"]', "names synth/boards/gpdi.v, which is not there"),
         (OWN.replace("}", ""), "own.toml: "),
+        (OWN.replace('"own.v"', "3"), "own.toml: top is 3; write the name of a file"),
+        (
+            OWN.replace("{clk = 100}", '{clk = "fast"}'),
+            "clocks is {'clk': 'fast'}; write a table of megahertz",
+        ),
+        (OWN.replace("{clk = 100}", "{clk_shift = 125}"), "write a table of megahertz, clk among them"),
+        (OWN.replace("{clk = 100}", "{clk = 0}"), "write a table of megahertz, clk among them"),
+        (OWN.replace("generics = {}", 'generics = {buffers = "2"}'), "write a table of whole numbers"),
+        (OWN.replace("[]", '"openFPGALoader"'), "write a list of commands, each a list of words"),
+        (OWN.replace("[]", "[[]]"), "write a list of commands, each a list of words"),
+        ('parts = "gpdi.v"\n' + OWN, "own.toml: parts is 'gpdi.v'; write a list of names of files"),
+        ("part = []\n" + OWN, "own.toml has part, which no board has; there are top, constraints"),
     ],
 )
 def test_a_boards_file_that_is_wrong(entries: str, message: str, tmp_path: Path) -> None:
@@ -207,7 +196,6 @@ def test_clocks() -> None:
     [
         (["build"], "no board is given"),
         (["build", "--board", "nexys"], "unknown board 'nexys'"),
-        (["build", "--board", "ulx3s-45f"], "no bitstream is built for ulx3s-45f"),
         (["program", "--board", "nexys"], "unknown board 'nexys'"),
     ],
 )
@@ -216,6 +204,35 @@ def test_refusals(arguments: list[str], what: str) -> None:
     assert result.returncode == 2
     assert result.stdout == ""
     assert re.fullmatch(rf"bitstream: error: {re.escape(what)}.*\n", result.stderr), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        (
+            NO_TOP,
+            "no bitstream is built for own: its file has no top; write it as synth/boards/ulx3s-85f.toml",
+        ),
+        (
+            OWN.replace("generics = {}", "generics = {moons = 2}"),
+            "a board has no generic 'moons'; the gene",
+        ),
+        (OWN.replace("generics = {}", "generics = {buffers = 3}"), "buffers is 3; give 1 or 2"),
+        (
+            OWN.replace("generics = {}", "generics = {with_video = 1, screen_width = 170}"),
+            "with_video=1 with",
+        ),
+    ],
+    ids=["no top", "unknown generic", "out of range", "no monitor"],
+)
+def test_boards_of_ones_own_are_refused(
+    entries: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = own_board(tmp_path, entries)
+    monkeypatch.setattr(bitstream, "repository_root", lambda: root)
+    result = CliRunner().invoke(bitstream.main, ["build", "--board", "own"])
+    assert result.exit_code == 2 and result.output.startswith(f"bitstream: error: {said}"), result.output
+    assert len(result.output.splitlines()) == 1 and not (root / "build").exists()
 
 
 def test_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture) -> None:

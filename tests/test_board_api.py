@@ -367,7 +367,6 @@ def test_counters_of_a_small_board_wrap() -> None:
         (("render", "cube:1", "-o", "a.png", "--port", "sim", "--gbuffer", "a.npz"), "which triangle"),
         (("board", "--generic", "fifo_words=100"), "power of two"),
         (("board", "--board", "moon"), "unknown board 'moon'; the boards are colorlight-i5"),
-        (("board", "--board", "ulx3s-45f"), "no bitstream is built for ulx3s-45f: its file has no top"),
         (("board", "--board", "ulx3s-12f", "--screen", "48x32"), "give --generic with_video=0, or 1 or 3"),
         (("board", "--generic", "crc_cycles=3"), "crc_cycles is 3; give 1 or 2 or 4 or 8"),
         (("board", "--generic", "most_counter_bits=0"), "most_counter_bits is 0; give 1 to 32"),

@@ -18,6 +18,7 @@ from quadshade.errors import QuadshadeError
 from quadshade.image import read_picture
 from quadshade.rendering import PortChoice, RenderSettings, Reports, SceneChoice, StyleChoice
 from quadshade.rendering.simulated import worker_place
+from tests.support.own_board import NO_TOP, own_board
 from tests.test_board_api import run
 from tests.test_words import EXAMPLE
 
@@ -115,7 +116,6 @@ def test_boards_of_several_kinds_share_a_picture() -> None:
     [
         (("--port", "sim:moon"), "unknown board 'moon'; the boards are colorlight-i5, icebreaker"),
         (("--port", "sim", "--port", "sim:moon"), "unknown board 'moon'"),
-        (("--port", "sim:ulx3s-45f"), "no bitstream is built for ulx3s-45f"),
         (("--port", "sim:icebreaker", "--generic", "num_channels=3"), "the board's generics are its own"),
         (("--port", "sim:icebreaker", "--port", "sim:65"), "sim:1 to sim:64"),
     ],
@@ -124,6 +124,15 @@ def test_wrong_boards_are_one_line(tmp_path: Path, words: tuple[str, ...], said:
     code, output = run("render", "cube:1", "-o", tmp_path / "a.png", *MODEL, *words)
     assert code == 2 and said in output, output
     assert len(output.strip().splitlines()) == 1 and not list(tmp_path.iterdir())
+
+
+def test_a_board_without_a_top_is_not_simulated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    root = own_board(tmp_path, NO_TOP)
+    monkeypatch.setattr("quadshade.board.settings.repository_root", lambda: root)
+    for arguments in (("board", "--board", "own"), ("render", "cube:1", "-o", "a.png", "--port", "sim:own")):
+        code, output = run(*arguments)
+        assert code == 2 and "no bitstream is built for own: its file has no top" in output, output
+        assert len(output.strip().splitlines()) == 1
 
 
 def test_what_a_simulator_says_instead_of_bytes_ends_it() -> None:

@@ -18,7 +18,7 @@ from quadshade.engine.netlist import write_netlist
 from quadshade.engine.tool_runner import package_version, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.synthesis.cells import with_cells
-from quadshade.synthesis.devices import board_file, find_board
+from quadshade.synthesis.devices import board_file, check_entries, find_board
 from quadshade.synthesis.families import Device, filled
 from quadshade.synthesis.flow import YOSYS, run_nextpnr, write_mapped
 from quadshade.synthesis.mapping import mapping_commands
@@ -30,8 +30,8 @@ BAUD = 1_000_000
 ROUTED = "routed"
 """File of what nextpnr has routed, for the packer."""
 
-ENTRIES = ("top", "constraints", "clocks", "generics", "program")
-"""What a board's file has beside its device."""
+NEEDED = ("top", "constraints", "clocks", "generics", "program")
+"""What a board's file has beside its device, to be built."""
 
 
 @dataclass(frozen=True)
@@ -129,17 +129,18 @@ def read_board(name: str, root: Path) -> BoardFile:
     Raises
     ------
     QuadshadeError
-      There is no such board, its file lacks an entry or names one that is not there, or no bitstream is built
-      for it.
+      There is no such board, its file lacks an entry, has a wrong one or names a file that is not there,
+      or no bitstream is built for it.
     """
     device, settings = find_board(name, root), board_file(name, root)
     folder = root / "synth" / "boards"
-    missing = [key for key in ENTRIES if key not in settings]
+    missing = [key for key in NEEDED if key not in settings]
     if missing:
         raise QuadshadeError(
             f"no bitstream is built for {name}: its file has no {missing[0]}",
             "write it as synth/boards/ulx3s-85f.toml has it",
         )
+    check_entries(name, settings)
     more = settings.get("more_constraints", ())
     named = [settings["top"], settings["constraints"], *settings.get("parts", ()), *more]
     if lost := [file for file in named if not (folder / file).is_file()]:
