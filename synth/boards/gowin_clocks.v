@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clocks of GW2AR-18 from a crystal of 27 MHz: 50.4 MHz for the board and 126 MHz for the monitor's pins, two
-// bits a cycle.
+// Clocks of GW2AR-18 or GW1NR-9 from a crystal of 27 MHz: 50.4 MHz for the board and 126 MHz for the pins of
+// the monitor, two bits a cycle.
 
-module gowin_clocks (
+module gowin_clocks #(
+  parameter DEVICE = "GW2AR-18C"
+) (
   input crystal,
   output clk,
   output clk_shift,
   output locked
 );
 
-  // 27 MHz * 28 / 3 = 252 MHz, the oscillator at twice that (500 to 1250 are allowed); a half of it moves
-  // bits to the monitor, two a cycle, and a fifth is the board's.
+  // 27 MHz * 28 / 3 = 252 MHz, the oscillator at twice that (500 to 1250 are allowed, and 400 to 1200 on
+  // GW1NR-9); a half of it moves bits to the monitor, two a cycle, and a fifth is the board's.
   wire clk_pll;
 
   rPLL #(
     .FCLKIN("27"),
-    .DEVICE("GW2AR-18C"),
+    .DEVICE(DEVICE),
     .IDIV_SEL(2),
     .FBDIV_SEL(27),
     .ODIV_SEL(2),
