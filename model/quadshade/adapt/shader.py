@@ -383,14 +383,9 @@ class Shader:
         primitives = setup_triangles(self.screen_triangles(projected, samples, top), self.formats)
         bounds = np.zeros(top.shape)
         np.maximum.at(bounds, primitives.triangle, primitives.bound[:, self.place])
-        second = primitives.header["has_second"]
-        packets = np.stack(
-            [
-                np.bincount(primitives.triangle[rows], minlength=len(top))
-                for rows in (second >= 0, second > 0)
-            ],
-            axis=1,
-        )
+        owner, second = primitives.triangle, primitives.header["has_second"]
+        counts = [np.bincount(owner[rows], minlength=len(top)) for rows in (second >= 0, second > 0)]
+        packets = np.stack(counts, axis=1)
         packets[(bounds > MAX_ERROR).any(axis=1)] = -1
         return bounds, packets
 

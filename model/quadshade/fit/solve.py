@@ -3,8 +3,9 @@
 The values for which the weighted squared error is least: normal equations, by conjugate gradients.
 
 The matrix is symmetric and positive definite; it is kept as a block of 6 x 6 numbers a triangle, of
-which half are sent through the memory. The steps begin at the six points and are scaled by the diagonal. Over a triangle's area such a matrix is well
-conditioned whatever the mesh: some ten steps do. With a weight on jumps it is not, and is factorised.
+which half are sent through the memory. The steps begin at the six points and are scaled by the diagonal.
+Over a triangle's area such a matrix is well conditioned whatever the mesh: some ten steps do. With a weight
+on jumps it is not, and is factorised.
 """
 
 from __future__ import annotations
