@@ -77,7 +77,7 @@ class Config:
 
 CONFIGS = [
     Config(),
-    Config(width=12, height=3, num_channels=4, colour_bits=4, depth_bits=7, crc_cycles=4, run_words=4),
+    Config(width=12, height=3, num_channels=4, colour_bits=4, depth_bits=8, crc_cycles=4, run_words=4),
 ]
 VIDEO = Config(64, 48, 7, with_video=1, clocks_per_pixel=1, run_words=32, refresh_clocks=400)
 LINES = range(42, 56)
