@@ -32,7 +32,7 @@ from quadshade.contract.shade_state import ShadeState, channel_gains
 from quadshade.errors import QuadshadeError
 from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.shade.render_core import needed_writes
-from quadshade.packing.widths import Needs, hold
+from quadshade.packing.widths import Needs, field_tops, hold, word_tops
 from quadshade.setup.packet import Primitives, field_values
 from quadshade.setup.short_edges import short_edges
 from quadshade.setup.short_words import NUM_DIFFERENCES, short_words
@@ -157,25 +157,6 @@ def _write(packets: _Packets, layout: _Layout, out: Words32, starts: Ints) -> in
     return at
 
 
-@njit(cache=True)
-def _top_bits(values: Ints, is_signed: Bools) -> Ints:
-    """
-    The number of the highest bit that has to be sent of each value (k, n); 0 if none has to.
-
-    ``is_signed`` (k,): what stands above is that bit, and not known.
-    """
-    out = np.empty_like(values)
-    for row in range(len(values)):
-        for index in range(values.shape[1]):
-            left = ~values[row, index] if values[row, index] < 0 else values[row, index]
-            length = 0
-            while left:
-                left >>= 1
-                length += 1
-            out[row, index] = length if is_signed[row] else max(length - 1, 0)
-    return out
-
-
 @lru_cache
 def _most_bits(formats: Formats) -> int:
     """More bits than a packet has, whatever it says."""
@@ -204,7 +185,7 @@ class _FieldTable(NamedTuple):
     """
     Columns of :func:`packed_fields`, an entry a field.
 
-    ``halves`` (k, 1) are what a field's highest bit counts, 0 if it is never below zero; ``is_signed`` (k,)
+    ``halves`` (k,) are what a field's highest bit counts, 0 if it is never below zero; ``is_signed`` (k,)
     where that bit stands above.
     """
 
@@ -220,7 +201,7 @@ def _field_table(formats: Formats) -> _FieldTable:
     names, bits, addresses, fills = zip(*packed_fields(formats), strict=True)
     halves = [0 if fill == "zero" else 1 << (width - 1) for width, fill in zip(bits, fills, strict=True)]
     is_signed = np.array([fill == "sign" for fill in fills])
-    return _FieldTable(names, np.array(bits), np.array(addresses), np.array(halves)[:, None], is_signed)
+    return _FieldTable(names, np.array(bits), np.array(addresses), np.array(halves), is_signed)
 
 
 @lru_cache
@@ -244,21 +225,16 @@ def _laid_out(
     values = np.empty((len(table.names), size), np.int64)
     for row, name in zip(values, table.names, strict=True):
         row[:] = field_values(primitives, name, formats)
-    # Two's complement, sign extended, but for what is never below zero.
-    values = ((values + table.halves) & (2 * table.halves - 1)) - table.halves
     sent = np.ones(values.shape, np.bool_)
     sent[second_at(formats) :] = has_second
-    values *= sent
-    needs.tops(table.addresses, _top_bits(values, table.is_signed), sent)
+    tops = np.empty_like(values)
+    field_tops(values, table.halves, table.is_signed, sent, tops)
+    needs.tops(table.addresses, tops, sent)
     channels, differences, kinds = _difference_table(formats)
-    words = np.ascontiguousarray(primitives.words[:, channels, differences].T)
+    tops = np.empty((len(channels), size), np.int64)
+    word_tops(primitives.words, channels, differences, tops)
     sent = np.array(DIFFERENCES_OF_ORDER)[primitives.orders].T[channels] > differences[:, None]
-    needs.differences(
-        KIND_WIDTHS * kinds + 2 * differences,
-        shifts[kinds, :, differences],
-        _top_bits(words, np.ones(len(words), np.bool_)),
-        sent,
-    )
+    needs.differences(KIND_WIDTHS * kinds + 2 * differences, shifts[kinds, :, differences], tops, sent)
     return np.ascontiguousarray(values.T), needs
 
 

@@ -11,12 +11,47 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from quadshade.contract.arrays import Bools, Ints
+from quadshade.contract.arrays import Bools, Int, Ints
 from quadshade.contract.formats import Formats
 from quadshade.contract.packed_format import size_of
 
 NEVER = 1 << 60
 """A cost that no path has."""
+
+
+@njit(cache=True)
+def _top_bit(value: Int, is_signed: bool) -> Int:
+    """
+    The number of the highest bit of a value that has to be sent; 0 if none has to.
+
+    ``is_signed``: what stands above is that bit, and not known.
+    """
+    left = ~value if value < 0 else value
+    length = np.int64(0)
+    while left:
+        left >>= 1
+        length += 1
+    return length if is_signed else max(length - 1, np.int64(0))
+
+
+@njit(cache=True)
+def field_tops(values: Ints, halves: Ints, is_signed: Bools, sent: Bools, out: Ints) -> None:
+    """Sign extend values (k, n) of fields in place, 0 where they are not sent; write their top bits."""
+    for row in range(len(values)):
+        half = halves[row]
+        for p in range(values.shape[1]):
+            # Two's complement, but for what is never below zero.
+            value = ((values[row, p] + half) & (2 * half - 1)) - half
+            values[row, p] = value if sent[row, p] else 0
+            out[row, p] = _top_bit(values[row, p], is_signed[row])
+
+
+@njit(cache=True)
+def word_tops(words: Ints, channels: Ints, differences: Ints, out: Ints) -> None:
+    """Write the top bits of words (n, c, 6), difference by difference (k, n)."""
+    for row in range(len(channels)):
+        for p in range(len(words)):
+            out[row, p] = _top_bit(words[p, channels[row], differences[row]], True)
 
 
 @njit(cache=True)
