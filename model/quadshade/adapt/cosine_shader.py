@@ -45,6 +45,8 @@ LEVEL = 0.01
 """Output units that a specular channel of a higher order has to be better by."""
 FINE = 0.02
 """Output units that no picture saves anything by: nothing better is looked for."""
+FINE_SQUARE = 1e-8
+"""The same of a mean square: these add up over a picture."""
 ROUGH, LEAST_ROUGH = 0.04, 0.02
 """Of an error, and output units: what a table may cost where channels do not reach its finest entries."""
 FEWEST_OCTAVES, MOST_OCTAVES = 3, 8
@@ -103,7 +105,7 @@ class CosineShader(Shader):
             SECANTS if self.exponent != 1 or measure != "max" else 0,
             EQUALISING,
             len(self.orders),
-            FINE if measure == "max" else FINE**2,
+            FINE if measure == "max" else FINE_SQUARE,
         )
         all_orders = len(self.orders) ** (2 * count)
         self.combinations: tuple[np.ndarray, np.ndarray] | None = None
