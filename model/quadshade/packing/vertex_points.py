@@ -70,10 +70,8 @@ def _fill_points(given: _Triangles, covers: Ints, widths: tuple[int, int], scale
             low, high = _span(corners, column)
             out.sent[p] &= low >= 0 and high <= size and high - low < 1 << LARGEST_SPAN
         # The rows with a centre between the highest and the lowest corner; the last ``low`` is that of y.
-        first, end = (
-            (2 * low + pixel - 1) >> (subpixel_bits + 1),
-            (2 * high + pixel - 1) >> (subpixel_bits + 1),
-        )
+        first = (2 * low + pixel - 1) >> (subpixel_bits + 1)
+        end = (2 * high + pixel - 1) >> (subpixel_bits + 1)
         out.trims[p, 0] = covers[p, 0] - first
         out.trims[p, 1] = end - covers[p, 0] - covers[p, 1] - covers[p, 2]
         for trim in out.trims[p]:
