@@ -8,17 +8,20 @@ import re
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import entry_points, version
+from importlib.metadata import distribution, entry_points, version
 from pathlib import Path
 
 import click
 import pytest
 from click.testing import CliRunner
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from tests.support.pages import ROOT, documented_commands, pages
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+OLDEST = "3.11.2"
+"""The Python of Debian 12."""
 
 
 def make_targets() -> set[str]:
@@ -98,18 +101,29 @@ def test_installed_version_is_the_projects() -> None:
     assert version("quadshade") == PROJECT["version"]
 
 
-def test_every_dependency_is_pinned() -> None:
-    lines = (ROOT / "requirements.txt").read_text().splitlines()
+def pinned() -> dict[str, str]:
+    """Versions of ``requirements.txt`` by name, in small letters."""
     pins = {}
-    for line in lines:
+    for line in (ROOT / "requirements.txt").read_text().splitlines():
         if not line.startswith("#"):
             requirement = Requirement(line)
             (specifier,) = requirement.specifier
             assert specifier.operator == "==", line
             pins[requirement.name.lower()] = specifier.version
+    return pins
+
+
+def test_every_dependency_is_pinned() -> None:
+    pins = pinned()
     wanted = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"]]
     for requirement in map(Requirement, wanted):
         assert requirement.specifier.contains(pins[requirement.name.lower()]), requirement
+
+
+def test_every_pin_is_for_the_python_of_debian_12() -> None:
+    asked = {name: distribution(name).metadata.get("Requires-Python", "") for name in pinned()}
+    assert len(asked) > 50
+    assert [name for name, python in asked.items() if OLDEST not in SpecifierSet(python)] == []
 
 
 def install_tools(folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
