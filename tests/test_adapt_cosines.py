@@ -286,3 +286,14 @@ def test_triangles_without_a_pixel_cost_and_err_nothing() -> None:
         assert 0.1 < unseen.mean() < 0.9
         assert assessed.errors[unseen].max() == assessed.bound[unseen].max() == 0
         assert assessed.errors[~unseen].max() > 1
+
+
+def test_light_too_strong_for_the_shade_unit_is_drawn_by_colours() -> None:
+    whole = looked_at(load_scene("sphere:168"))
+    strong = [DirectionalLight((0, 0, 1), (10, 10, 10))]
+    adapted = adapt(whole, strong, SHINY, max_error=8, shading="auto")
+    assert adapted.shading == "quadratic"
+    assert adapted.rival is not None and "a light reflects" in adapted.rival.reason
+    assert figures_of(adapted, whole, strong).largest == pytest.approx(adapted.error)
+    with pytest.raises(UnsuitedError, match="a light reflects"):
+        adapt(whole, strong, SHINY, max_error=8, shading=SPECULAR)

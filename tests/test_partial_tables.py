@@ -99,6 +99,8 @@ def test_entries_are_counted_from_the_highest_value() -> None:
     assert first_entry(-1, formats) == table_entries(formats)
     rising = [first_entry(value, formats) for value in range(0, top, top // 999)]
     assert rising == sorted(rising, reverse=True)
+    for first in (0, 1, rising[500], table_entries(formats)):
+        assert state.num_writes(first) == len(state.writes(first))
 
 
 def test_a_board_draws_the_model_s_pictures_one_after_the_other() -> None:

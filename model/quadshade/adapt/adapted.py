@@ -89,6 +89,8 @@ class ErrorCurve:
         for kind in SHADERS if shading == "auto" else (shading,):
             try:
                 shader = _shader(kind, projected, lights, material, formats, specular, measure, verify)
+                # Light that the shade unit cannot hold is known now.
+                _ = shader.table().state
                 if phong is None:
                     # Cosines' core has the same output and sub-pixels as that of colours.
                     phong = PhongPixels(projected, shader.lights, shader.material, shader.formats)
