@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -14,7 +15,7 @@ import pytest
 
 import quadshade
 from quadshade.board import Board, BoardSettings
-from quadshade.board.pool import BoardPool, Work
+from quadshade.board.pool import BoardPool, Work, wait_until_free
 from quadshade.choices import parse_ports
 from quadshade.contract.formats import Formats
 from quadshade.errors import QuadshadeError
@@ -178,6 +179,26 @@ def test_jobs_of_a_board_that_hangs_are_done_by_another(monkeypatch: pytest.Monk
     hangs.set()
     # It takes part again once it has come back.
     assert len(list(pool.share(work, [(1.0, job) for job in range(5)]))) == 5  # type: ignore[arg-type]
+
+
+def test_a_board_never_has_two_jobs_at_once() -> None:
+    """Whatever pool shared the first one, which was broken off."""
+    board, running, most = Idle("one"), [], []
+
+    def do(_: Idle, job: int) -> int:
+        running.append(job)
+        time.sleep(0.02)
+        most.append(len(running))
+        running.remove(job)
+        return job
+
+    work = Work(do, lambda _, job: (job, []), "numbers", "try again")
+    for _ in range(3):
+        shared = BoardPool([board], print).share(work, [(1.0, job) for job in range(9)])  # type: ignore[list-item, arg-type]
+        next(shared)
+        shared.close()
+    wait_until_free(board)
+    assert set(most) == {1} and len(most) < 9
 
 
 def test_a_job_is_split_for_a_board_and_a_bug_is_no_lost_board() -> None:

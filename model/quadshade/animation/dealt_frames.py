@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from typing import TypeVar
 
 from quadshade.board import Board
@@ -62,7 +63,8 @@ def dealt_frames(
 
     work: Work[int, Frame] = Work(draw_alone, lambda _, frame: (frame, []), "frames", HINT)
     try:
-        for done in pool.share(work, [(1.0, frame) for frame in frames]):
-            yield done.result
+        with closing(pool.share(work, [(1.0, frame) for frame in frames])) as shared:
+            for done in shared:
+                yield done.result
     except _FrameError as problem:
         raise problem.error from None

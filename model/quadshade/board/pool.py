@@ -6,7 +6,8 @@ from __future__ import annotations
 import heapq
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+import weakref
+from collections.abc import Callable, Generator, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from quadshade.board.board import Board
@@ -21,6 +22,16 @@ WAIT_SECONDS = 0.1
 LATE_SECONDS = 2.0
 LATE_FACTOR = 4.0
 """A job that takes longer than both, the second times the mean, is also given to a board that is idle."""
+
+_servers: weakref.WeakKeyDictionary[Any, threading.Thread] = weakref.WeakKeyDictionary()
+"""Of every board the thread that drew on it last, for whatever pool."""
+
+
+def wait_until_free(board: Any) -> None:
+    """Wait for a job that a board still does, of work that was broken off or was too late."""
+    server = _servers.get(board)
+    if server is not None and server is not threading.current_thread():
+        server.join()
 
 
 class BoardPool:
@@ -47,7 +58,6 @@ class BoardPool:
         self.boards, self.everyone = list(boards), tuple(boards)
         self.reason = "there was none"
         self._notice = notice
-        self._threads: dict[Board, threading.Thread] = {}
 
     def lose(self, board: Board, reason: str) -> None:
         """Do without a board from now on."""
@@ -62,7 +72,7 @@ class BoardPool:
 
     def share(
         self, work: Work[Job, Result], jobs: Sequence[tuple[float, Job]]
-    ) -> Iterator[Done[Job, Result]]:
+    ) -> Generator[Done[Job, Result], None, None]:
         """
         Have jobs done.
 
@@ -84,9 +94,13 @@ class BoardPool:
         """
         desk = _Desk(work, jobs)
         for board in self.boards:
-            arguments = (board, self._threads.get(board))
-            thread = threading.Thread(target=desk.serve, args=arguments, name="board", daemon=True)
-            self._threads[board] = thread
+            before = _servers.get(board)
+            thread = threading.Thread(target=desk.serve, args=(board, before), name="board", daemon=True)
+            # A frame's thread shares its tiles with its own board, and goes on with it.
+            if before is threading.current_thread():
+                thread = threading.Thread(target=desk.serve, args=(board,), name="board", daemon=True)
+            else:
+                _servers[board] = thread
             thread.start()
         try:
             while True:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 import zlib
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import partial
 from typing import Any
 
@@ -311,16 +312,17 @@ class TiledScreen:
             done = total - sum(cost for cost, _ in jobs)
             if before:
                 self._notice(f"{len(plan) - len(jobs)} of {len(plan)} tiles were drawn before")
-        for finished in self.pool.share(work, jobs):
-            self.tiles += 1
-            paste(made, finished.job, finished.result)
-            if self._store is not None:
-                self._store.add(finished.job, finished.result)
-            done += finished.cost
-            if self._progress is not None:
-                sums = self.statistics
-                sent = int(sums["bytes_sent"] + sums["bytes_received"])
-                self._progress(TILES, len(plan) * done / total, len(plan), sent)
+        with closing(self.pool.share(work, jobs)) as shared:
+            for finished in shared:
+                self.tiles += 1
+                paste(made, finished.job, finished.result)
+                if self._store is not None:
+                    self._store.add(finished.job, finished.result)
+                done += finished.cost
+                if self._progress is not None:
+                    sums = self.statistics
+                    sent = int(sums["bytes_sent"] + sums["bytes_received"])
+                    self._progress(TILES, len(plan) * done / total, len(plan), sent)
         return made
 
     def _most(self, board: Board | WorkerBoard, planes: Sequence[str]) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
@@ -233,7 +233,7 @@ class WorkerPool:
 
     def share(
         self, work: Work[Job, Result], jobs: Sequence[tuple[float, Job]]
-    ) -> Iterator[Done[Job, Result]]:
+    ) -> Generator[Done[Job, Result], None, None]:
         """As :meth:`quadshade.board.pool.BoardPool.share`."""
         costs: dict[Job, float] = {}
         [board] = self.boards

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from quadshade.board import Board, BoardSettings
 from quadshade.board.engines import board_engine
-from quadshade.board.pool import BoardPool
+from quadshade.board.pool import BoardPool, wait_until_free
 from quadshade.board.tile_store import TileStore
 from quadshade.board.tiled_screen import TiledScreen
 from quadshade.board.worker_boards import Place, WorkerPool
@@ -58,6 +58,8 @@ def opened(
             try:
                 given = port.ports[number]
                 is_open = isinstance(given, Board)
+                if is_open:
+                    wait_until_free(given)
                 boards[number] = (
                     given
                     if is_open
