@@ -160,7 +160,8 @@ async def longest(dut: Any) -> None:
     bench = await start(dut, "longest")
     link = Link(bench, "full_speed", "full_speed")
     # Runs that end behind so many bytes: each bit of their length is sent.
-    broken = [bytes(at) + b"\1" + bytes(MAX_READ - at - 1) for at in (85, 300, 600, 900, 1011)]
+    lengths = (85, 300, 600, 900, 1011) if bench.default else (1011,)
+    broken = [bytes(at) + b"\1" + bytes(MAX_READ - at - 1) for at in lengths]
     for data in (bench.draw.randbytes(MAX_READ), bytes(MAX_READ), link.bytes_of(0, MAX_READ), *broken):
         cycles = await link.read(data, 0)
         bench.check("in time", cycles <= MOST_CYCLES * MAX_READ + 20, True, inputs=cycles)
@@ -202,15 +203,15 @@ async def bytes_come_before_their_ready(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=4, timeout_unit="ms")
-@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
-async def resets(dut: Any, source: str, sink: str) -> None:
+@cocotb.parametrize(speed=list(SPEEDS))
+async def resets(dut: Any, speed: str) -> None:
     """Amid either reading, and amid an answer: the next answer is whole, and its own."""
-    bench = await start(dut, f"resets {source} {sink}")
+    bench = await start(dut, f"resets {speed}")
 
     async def work() -> None:
-        link = Link(bench, source, sink)
+        link = Link(bench, speed, speed)
         for plane in list(link.sizes)[:2]:
-            await link.read(link.bytes_of(plane, 30), plane)
+            await link.read(link.bytes_of(plane, 20), plane)
         await link.read(bytes(12), 0)
 
     events = (
