@@ -118,21 +118,26 @@ async def unpack(
     )
     taken = StreamSink(bench, dut.setup_valid, dut.setup_ready, [dut.setup_data], SPEEDS[sink](bench.draw))
     echoes: list[int] = []
-    quiet, seen = 0, 0
+    quiet, seen, owed, waits = 0, 0, 0, None
     while quiet < QUIET:
-        # The other unpacker: a word in, the same out, later; nothing comes of zeros.
+        # The other unpacker: a word in, the same out, later; nothing comes of zeros, but its packet needs some.
         room = len(echoes) < 2 and bench.draw.random() < 0.7
         dut.packed_ready.value = int(room)
         dut.unpacked_valid.value = int(bool(echoes))
         dut.unpacked_data.value = echoes[0] if echoes else 0
-        dut.unpacking.value = int(bool(echoes))
+        dut.unpacking.value = int(bool(echoes) or owed > 0)
         offered.drive()
         taken.drive()
         await bench.edge()
         if echoes and dut.unpacked_ready.value:
             echoes.pop(0)
-        if room and dut.packed_valid.value and dut.packed_data.value:
-            echoes.append(int(dut.packed_data.value))
+        word = int(dut.packed_data.value) if dut.packed_valid.value else None
+        if waits is not None:
+            bench.check("packed word that waits", word, waits, None, what)
+        waits = None if room else word
+        if room and word is not None:
+            echoes += [word] if word else []
+            owed = bench.draw.randrange(4) if word else max(owed - 1, 0)
         offered.sample(bench.cycle)
         taken.sample(bench.cycle)
         for (word,), wanted in zip(taken.words[seen:], expected[seen:], strict=False):
