@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import quadshade
 from quadshade.animation import Motion
 from quadshade.board import Board, BoardSettings
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import BoardClock, picture_clocks
+from quadshade.board.frame_time import LEAST_COUNTED, BoardClock, picture_clocks, soonest_picture
 from quadshade.choices import PACK_ERROR
 from quadshade.cli.main import main
 from quadshade.contract.formats import Formats
@@ -123,6 +124,70 @@ def test_a_deadline_shortens_words_or_sends_nothing() -> None:
         with pytest.raises(QuadshadeError, match=f"it takes {math.ceil(1e5 * least) / 100:g} ms"):
             board.draw(triangles, deadline=0.5 * whole)
         assert board.statistics["bytes_sent"] == before
+
+
+def vertex_board(
+    megahertz: int, with_vertices: int = 1, size: tuple[int, int] = SIZE, **more: object
+) -> Board:
+    """A board that takes vertices, on a line of 3 Mbaud, or a fifth of its clock."""
+    hertz = 1_000_000 * megahertz
+    rate = {"clk_frequency_hz": hertz, "baud": min(3_000_000, hertz // 5), "with_vertices": with_vertices}
+    settings = BoardSettings(Formats(), *size, **rate)
+    return Board("sim", settings=settings, engine="model", **more)
+
+
+def test_a_deadline_that_fields_miss_is_met_by_vertices() -> None:
+    """A fast board has decoded them before it would have got the fields, and sends what was counted."""
+    said: list[str] = []
+    triangles = quadshade.render("sphere:168", size=SIZE, engine="model").triangles
+    with vertex_board(100, notice=said.append) as board:
+        plain = replace(board.clock, takes_vertices=False)
+        least = picture_clocks(triangles, board.formats, plain, 0.5).whole
+        clocks = picture_clocks(triangles, board.formats, board.clock)
+        assert clocks.whole < 0.7 * least
+        before = board.statistics["bytes_sent"]
+        board.draw(triangles, deadline=clocks.whole / 1e8)
+        sent = board.statistics["bytes_sent"] - before
+        board.verify()
+        assert board.late == 0 and not said
+        # The clear went before; how many zeros a frame has is not known.
+        assert 0 <= clocks.line_bytes - 15 - sent <= 4 * math.ceil(clocks.waiting / 255)
+        with pytest.raises(QuadshadeError, match="give more, or draw less"):
+            board.draw(triangles, deadline=0.5 * clocks.whole / 1e8)
+
+
+def test_a_deadline_takes_fields_where_they_are_complete_sooner() -> None:
+    """A slow board decodes vertices for longer than the fields come; one whose FIFO would fill up, too."""
+    triangles = quadshade.render("sphere:168", size=SIZE, engine="model").triangles
+    with vertex_board(5, notice=lambda _: None) as board:
+        clock, formats = board.clock, board.formats
+        packed, clocks = soonest_picture(triangles, formats, clock)
+        assert packed.vertices and packed.sent_vertices == 0
+        board.draw(triangles, deadline=clocks.whole / 5e6)
+        board.verify()
+        assert board.late == 0
+    fast = replace(clock, clk_frequency_hz=100_000_000, baud=3_000_000)
+    packed, clocks = soonest_picture(triangles, formats, fast)
+    assert packed.sent_vertices > 0
+    tight = clocks.waiting + LEAST_COUNTED // 2
+    for words, same in ((tight, True), (tight - 1, False)):
+        small = soonest_picture(triangles, formats, replace(fast, fifo_words=words))[0]
+        assert (small.sent_vertices == packed.sent_vertices) == same
+
+
+def test_a_frame_time_is_planned_with_vertices() -> None:
+    """Plan, summary and board agree, and the picture is nearer to Phong shading than what fields allow."""
+    errors, size = [], (96, 64)
+    for takes_vertices in (0, 1):
+        with vertex_board(100, takes_vertices, size, notice=lambda _: None) as board:
+            picture = quadshade.render("torus:288", size=size, frame_time=12, port=board, reports=QUIET)
+            timing = picture.stats.timing
+            assert board.late == 0 and timing["clocks_whole"] <= timing["deadline"] == 1_200_000
+            assert (timing["vertices"] > 0) == bool(takes_vertices)
+            said = f"; {timing['vertices']} triangles as vertices" in picture.summary
+            assert said == bool(takes_vertices)
+            errors.append(picture.error_to("phong").rms)
+    assert errors[1] < errors[0]
 
 
 @pytest.mark.parametrize(

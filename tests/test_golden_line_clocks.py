@@ -16,8 +16,10 @@ from quadshade.contract.protocol import Opcode
 from quadshade.golden.clocks import count_board_clocks
 from quadshade.golden.line_clocks import FIFO_CLOCKS, PLACE, Line, is_done, pause
 from quadshade.golden.link.word_unpacker import GIVES, NUM_RAW, RESTS, TAKES, WordUnpacker
+from quadshade.golden.unpacker_clocks import BITS, START, begin
 from quadshade.packing import pack_primitives
 from quadshade.packing.pack import Packed
+from quadshade.packing.pack_vertices import pack_vertices
 from quadshade.setup import setup_triangles
 from tests.support.golden_stimuli import triangles_of
 
@@ -28,6 +30,8 @@ BOARDS = {
     "slow_line": BoardSettings(Formats(), *SIZE, clk_frequency_hz=40_000_000),
     "no_depth": BoardSettings(Formats(with_depth=0), *SIZE),
     "shaded": BoardSettings(SHADE, *SIZE, clk_frequency_hz=8_000_000),
+    "vertices": BoardSettings(Formats(), *SIZE, with_vertices=1),
+    "vertices_slow_line": BoardSettings(Formats(), *SIZE, with_vertices=1, clk_frequency_hz=40_000_000),
 }
 RECORDED = {
     ("default", 1): ((15, 59), 4919, 1683),
@@ -36,6 +40,10 @@ RECORDED = {
     ("no_depth", 7): ((15, 219), 17187, 5949),
     ("shaded", 1): ((15, 27, 27, 31, 59), 13735, 1481),
     ("shaded", 7): ((15, 27, 27, 31, 275), 35948, 6414),
+    ("vertices", 1): ((15, 63), 9782, 6346),
+    ("vertices", 7): ((15, 307), 34638, 19001),
+    ("vertices", 14): ((15, 487), 55915, 31279),
+    ("vertices_slow_line", 7): ((15, 307), 147324, 19001),
 }
 """Board and triangles: bytes of each frame, clocks, and those in which the VHDL, in Verilator, is busy."""
 
@@ -45,6 +53,11 @@ def packed(name: str, count: int) -> Packed:
     """Triangles of every awkward kind, for a board."""
     formats = BOARDS[name].formats
     triangles = triangles_of(formats, np.random.default_rng(1), count, SIZE[1])
+    if BOARDS[name].with_vertices:
+        chosen = pack_vertices(setup_triangles(triangles, formats), triangles, formats, 0.25)
+        # Runs of packed words are between.
+        assert chosen.sent_vertices == {1: 1, 7: 4, 14: 7}[count]
+        return chosen
     return pack_primitives(setup_triangles(triangles, formats), formats)
 
 
@@ -105,17 +118,18 @@ def test_each_bit_is_taken_and_given_once(name: str) -> None:
     assert set(steps[at:].tolist()) <= {TAKES | RESTS} and lone > KIND_WIDTHS
 
 
-NONE = np.zeros(0, np.int64)
+NONE, NO_EVENTS = np.zeros(0, np.int64), np.zeros((0, 3), np.int64)
 
 
 def line_of(*commands: tuple[Opcode, int, int], clear_clocks: int = 40) -> Line:
     """A line that carries no triangles."""
-    return Line(np.array(commands, np.int64).reshape(-1, 3), NONE, clear_clocks, np.zeros(1, np.int64))
+    table = np.array(commands, np.int64).reshape(-1, 3)
+    return Line(table, NONE, NO_EVENTS, clear_clocks, np.zeros(1, np.int64))
 
 
 def without_core(line: Line) -> tuple[int, int]:
     """Clocks in all and busy ones, where nothing is drawn."""
-    return count_board_clocks(NONE, np.zeros(1, np.int64), NONE, Formats(), line)
+    return count_board_clocks(NONE, np.zeros(1, np.int64), NONE, Formats(), line)[:2]
 
 
 @pytest.mark.parametrize("clear_clocks", [1, 40, 700])
@@ -140,9 +154,10 @@ def test_state_waits_for_a_clear_and_takes_its_words(words: int, before: bool) -
     assert busy == 40 * before
 
 
-def place_of(**fields: int) -> np.void:
+def place_of(steps: tuple[int, ...] = (), events: tuple[tuple[int, ...], ...] = (), **fields: int) -> np.void:
     """Where a board is, for the compiled loops; what is not given is 0."""
     place = np.zeros(1, PLACE)[0]
+    begin(np.array(steps, np.int64), np.array(events, np.int64).reshape(-1, 3), place)
     for name, value in fields.items():
         place[name] = value
     return place
@@ -167,14 +182,34 @@ def test_a_pause_ends_with_the_next_frame_and_counts_what_is_busy() -> None:
     ]:
         assert pause(line, place_of(**{"idle": 1, name: value}), 60, False) == 0, name
     for step, clocks in ((GIVES, 0), (0, 0), (TAKES | RESTS, 39), (TAKES, 0)):
-        assert pause(line._replace(steps=np.array([step])), place_of(idle=1), 60, False) == clocks, step
-    assert pause(line._replace(steps=np.array([TAKES])), place_of(), 60, False) == 39
+        assert pause(line, place_of((step,), idle=1), 60, False) == clocks, step
+    assert pause(line, place_of((TAKES,)), 60, False) == 39
+
+
+def test_clocks_are_left_out_while_vertices_are_computed() -> None:
+    """As many as the program takes for itself, up to the next frame's end; none before a word is there."""
+    line = line_of((Opcode.STATE, 2, 100))
+    for wait, waited, cycle, clocks in ((30, 0, 60, 30), (30, 8, 60, 22), (30, 30, 60, 0), (90, 0, 60, 39)):
+        place = place_of(events=((BITS, 1, wait),), held=1, waited=waited)
+        assert pause(line, place, cycle, False) == clocks
+        assert place["waited"] == waited + clocks and place["clocks_busy"] == clocks
+    assert pause(line, place_of(events=((BITS, 1, 30),)), 60, False) == 0
+    assert pause(line, place_of(events=((BITS, 1, 0),)), 60, False) == 39
+    # Before a packet's start it is idle.
+    assert pause(line, place_of(events=((START, 1, 0),), idle=1), 60, False) == 39
+    for name in ("leaving", "pads", "full", "closed", "flying"):
+        assert pause(line, place_of(events=((BITS, 1, 30),), held=1, **{name: 1}), 60, False) == 0, name
+    for place, fetching, clocks in ((5, 0, 30), (5, 2, 0), (0, 0, 0)):
+        waiting = {"waiting": 2, "place": place, "fetching": fetching}
+        assert pause(line, place_of(events=((BITS, 1, 30),), held=1, **waiting), 60, False) == clocks
 
 
 def test_a_board_is_done_when_nothing_is_left() -> None:
-    line = line_of((Opcode.CLEAR, 1, 3))._replace(steps=np.array([TAKES]))
-    done = {"command": 1, "step": 1}
+    line = line_of((Opcode.CLEAR, 1, 3))
+    done = {"command": 1}
     assert is_done(line, place_of(**done), False)
     assert not is_done(line, place_of(**done), True)
-    for name, value in (("command", 0), ("step", 0), ("full", 1), ("closed", 1), ("flying", 1)):
+    for name, value in (("command", 0), ("full", 1), ("closed", 1), ("flying", 1)):
         assert not is_done(line, place_of(**done | {name: value}), False), name
+    assert not is_done(line, place_of((TAKES,), **done), False)
+    assert not is_done(line, place_of(events=((START, 1, 0),), **done), False)

@@ -17,6 +17,7 @@ from cocotb_tests.support.simulation import identifier, simulate
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.golden.link.vertex_unpacker import VertexUnpacker
+from quadshade.golden.unpacker_clocks import unpacking_clocks, unpacking_of
 from quadshade.packing.pack_vertices import choose_vertices
 from quadshade.setup.triangle_setup import setup_triangles
 from tests.support.vertex_stimuli import KINDS, Echo, damaged, most_clocks
@@ -170,13 +171,14 @@ async def clocks(dut: Any) -> None:
     """As many cycles as the model counts, where nothing waits."""
     bench = Bench(dut, Config, "clocks")
     await bench.start(*INPUTS)
-    words, expected, model = packets(bench, 3)
+    words, expected, _ = packets(bench, 3)
+    counted = unpacking_clocks(unpacking_of(words, bench.config.formats, True))
     begin = bench.cycle
     taken_at = await unpack(bench, words, expected, "full_speed", "full_speed")
-    dut._log.info("%d cycles for %d words, %d set-up words", model.clocks, len(words), len(expected))
-    # But for words of the core that wait for the one before, and the end of the program behind the last one.
-    behind = begin + model.clocks - taken_at[-1]
-    bench.check("cycles, within a hundredth", 100 * abs(behind) < model.clocks, True, None, behind)
+    dut._log.info("%d cycles for %d words, %d set-up words", counted, len(words), len(expected))
+    # Behind the last set-up word the program comes back to its start, and the line's zeros are skipped.
+    behind = begin + counted - taken_at[-1]
+    bench.check("cycles behind the last set-up word", 0 < behind < 40, True, None, behind)
     bench.finish(at_least=2)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.files.markdown import markdown_table
-from quadshade.golden.link.vertex_unpacker import VertexUnpacker
+from quadshade.golden.unpacker_clocks import unpacking_clocks, unpacking_of
 from quadshade.packing.frame_file import line_bytes
 from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import pack_primitives
@@ -67,8 +67,6 @@ def measure(scene: str, shading: str) -> dict:
     words = pack_vertices(primitives, triangles, formats).words
     chosen = choose_vertices(primitives, triangles, formats, PACK_ERROR)
     assert chosen is not None
-    unpacker = VertexUnpacker(formats)
-    unpacker.feed(words)
     sizes = line_bytes(plain.words) / drawn, line_bytes(words) / drawn
     seconds = seconds_of(lambda: pack_vertices(primitives, triangles, formats))
     return {
@@ -78,7 +76,7 @@ def measure(scene: str, shading: str) -> dict:
         "sent": int(np.count_nonzero(chosen.sent)),
         "fields": round(sizes[0], 2),
         "vertices": round(sizes[1], 2),
-        "clocks": round(unpacker.clocks / drawn),
+        "clocks": round(unpacking_clocks(unpacking_of(words, formats, True)) / drawn),
         "line": round(sizes[1] * CLOCKS_A_BYTE),
         "rate": round(drawn / seconds / 1000),
     }

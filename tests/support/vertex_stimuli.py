@@ -21,7 +21,7 @@ from quadshade.contract.vertex_program import (
     evaluated,
 )
 from quadshade.golden.link.vertex_alu import shift_clocks
-from quadshade.golden.link.vertex_unpacker import JUMP_CLOCKS
+from quadshade.golden.link.vertex_machine import JUMP_CLOCKS
 
 HEAD = 3 + 5 * len(PARAMETERS)
 """Bits of a packet of parameters."""

@@ -19,7 +19,6 @@ import numpy as np
 
 from quadshade.choices import MAX_ERROR, PACK_ERROR
 from quadshade.contract.formats import Formats
-from quadshade.contract.identity import has_feature
 from quadshade.contract.protocol import MAX_PAYLOAD, WORD_BYTES, Opcode
 from quadshade.contract.shade_state import ShadeState, colour_state
 from quadshade.contract.triangles import ScreenTriangles
@@ -28,13 +27,14 @@ from quadshade.golden.clocks import count_board_clocks
 from quadshade.golden.compiled import draw_fast
 from quadshade.golden.compiled_packets import decode_packets
 from quadshade.golden.line_clocks import Line
-from quadshade.golden.link.word_unpacker import WordUnpacker
 from quadshade.golden.screen.depth_test import empty_depths, kept_pixels
+from quadshade.golden.unpacker_clocks import unpacking_of
 from quadshade.link.session import Session
 from quadshade.packing.frame_file import state_runs
-from quadshade.packing.line import frame_bytes
+from quadshade.packing.line import frame_bytes, frames_bytes
+from quadshade.packing.neighbours import ordered_for_vertices
 from quadshade.packing.pack import Packed, pack_primitives, packed_writes
-from quadshade.packing.pack_vertices import pack_vertices
+from quadshade.packing.pack_vertices import pack_run, pack_vertices
 from quadshade.setup.packet import Primitives, pack
 from quadshade.setup.triangle_setup import setup_triangles
 
@@ -48,7 +48,7 @@ JUDGE_CLOCKS = 8
 """From then on until a frame's words count."""
 
 LEAST_COUNTED = 512
-"""Words of a FIFO that has room for the next frame while one is drawn."""
+"""Words of a FIFO that has room for the next frame while one is drawn: twice what a frame has."""
 
 DEPTH_CLOCKS, PICTURE_CLOCKS = 8, 2
 """From a pixel's leaving the core to the framebuffer (``depth_test.vhd``), and there until it is written."""
@@ -66,6 +66,9 @@ class BoardClock:
       Of the screen.
     single_buffer : bool
       A packet waits until none is drawn; HELLO says so.
+    takes_vertices : bool
+      HELLO says so.
+    fifo_words : int
     """
 
     clk_frequency_hz: int
@@ -73,6 +76,8 @@ class BoardClock:
     width: int
     height: int
     single_buffer: bool = False
+    takes_vertices: bool = False
+    fifo_words: int = 1024
 
     def clocks_of_bytes(self, count: float) -> float:
         """Clocks that so many bytes take on the line."""
@@ -93,12 +98,15 @@ class PictureClocks:
       Clocks until it is drawn.
     busy : int
       Those in which the board is not idle, as STATUS counts them.
+    waiting : int
+      Words in the board's FIFO at most, if that has room for them.
     """
 
     line_bytes: int
     line: int
     whole: int
     busy: int
+    waiting: int
 
 
 def commands_of(words: np.ndarray, state: ShadeState | None, formats: Formats) -> list[tuple[Opcode, int]]:
@@ -153,9 +161,63 @@ def picture_clocks(
     -------
     PictureClocks
     """
+    packed, clocks = soonest_picture(triangles, formats, clock, error, limit, **setup)
+    return clocks if sizes is None else packed_clocks(packed, triangles.shade, formats, clock, sizes)
+
+
+def soonest_picture(
+    triangles: ScreenTriangles,
+    formats: Formats,
+    clock: BoardClock,
+    error: float = PACK_ERROR,
+    limit: float | None = MAX_ERROR,
+    **setup: Any,
+) -> tuple[Packed, PictureClocks]:
+    """As :func:`soonest_packed`, of triangles as for :func:`picture_clocks`, which this sets up."""
+    if clock.takes_vertices:
+        triangles = ordered_for_vertices(triangles, formats)
     primitives = setup_triangles(triangles, formats, limit=limit, **setup)
-    packed = pack_primitives(primitives, formats, error, triangles.shade)
-    return packed_clocks(packed, triangles.shade, formats, clock, sizes)
+    return soonest_packed(primitives, triangles, formats, clock, error)
+
+
+def soonest_packed(
+    primitives: Primitives, triangles: ScreenTriangles, formats: Formats, clock: BoardClock, error: float
+) -> tuple[Packed, PictureClocks]:
+    """
+    Primitives packed so that a picture of them is complete as soon as it can be, and what it takes.
+
+    Parameters
+    ----------
+    primitives : Primitives
+    triangles : ScreenTriangles
+      Those that they were set up from. They go as vertices where the board takes them, fields are not
+      complete sooner, and the FIFO is never full: then the line would pause, which is not counted.
+    formats : Formats
+      Of the board.
+    clock : BoardClock
+    error : float
+      Grey levels that packing may add.
+
+    Returns
+    -------
+    Packed
+    PictureClocks
+    """
+    state = triangles.shade
+    if not clock.takes_vertices:
+        packed = pack_primitives(primitives, formats, error, state)
+        return packed, packed_clocks(packed, state, formats, clock)
+    fields, vertices = pack_run(primitives, formats, error), None
+    packed = pack_vertices(primitives, triangles, formats, error)
+    if packed.sent_vertices:
+        clocks = packed_clocks(packed, state, formats, clock)
+        if clocks.waiting <= clock.fifo_words - LEAST_COUNTED // 2:
+            vertices = packed, clocks
+            # No picture is complete before the line has carried it, which is known at once.
+            if clocks.whole <= clock.clocks_of_bytes(frames_bytes(len(fields.words))):
+                return vertices
+    clocks = packed_clocks(fields, state, formats, clock)
+    return vertices if vertices is not None and vertices[1].whole <= clocks.whole else (fields, clocks)
 
 
 def packed_clocks(
@@ -190,7 +252,7 @@ def packed_clocks(
     setup_words = pack(packed.primitives, formats)
     line = Line(
         table.reshape(-1, 3),
-        WordUnpacker(formats).clocks(packed.words),
+        *unpacking_of(packed.words, formats, packed.vertices),
         clock.width * clock.height + 1 + formats.with_depth,
         np.array([PICTURE_CLOCKS + DEPTH_CLOCKS * formats.with_depth])
         if sizes is None
@@ -199,8 +261,8 @@ def packed_clocks(
     starts, _, _, scanlines, _ = decode_packets(setup_words, formats.core)
     beats = np.diff(starts) // formats.beat_words
     rows = (scanlines.first_rows, scanlines.pixels)
-    whole, busy = count_board_clocks(beats, *rows, formats, line, clock.single_buffer)
-    return PictureClocks(sum(given), math.ceil(clock.clocks_of_bytes(sum(given))), whole, busy)
+    whole, busy, waiting = count_board_clocks(beats, *rows, formats, line, clock.single_buffer)
+    return PictureClocks(sum(given), math.ceil(clock.clocks_of_bytes(sum(given))), whole, busy, waiting)
 
 
 SHORTER = (1 / 8, 1 / 2)
@@ -249,7 +311,8 @@ class Watch:
         ----------
         primitives : Primitives
         triangles : ScreenTriangles
-          Those that they were set up from. Without a deadline they go as vertices, if the board takes them.
+          Those that they were set up from. They go as vertices, if the board takes them; with a deadline
+          only where fields are not complete sooner.
         formats : Formats
         error : float
           Grey levels that packing may add; more where that is too slow.
@@ -263,15 +326,13 @@ class Watch:
         QuadshadeError
           It would be late, however short its words are.
         """
-        state = triangles.shade
-        if self._deadline is None and has_feature(self._session.identity, "vertices"):
+        if self._deadline is None and self._clock.takes_vertices:
             return pack_vertices(primitives, triangles, formats, error)
         if self._deadline is None:
-            return pack_primitives(primitives, formats, error, state)
+            return pack_primitives(primitives, formats, error, triangles.shade)
         least = math.inf
         for allowed in (error, *(one for one in SHORTER if one > error)):
-            packed = pack_primitives(primitives, formats, allowed, state)
-            clocks = packed_clocks(packed, state, formats, self._clock)
+            packed, clocks = soonest_packed(primitives, triangles, formats, self._clock, allowed)
             needed = clocks.whole / self._clock.clk_frequency_hz
             least = min(least, needed)
             if needed <= self._deadline:

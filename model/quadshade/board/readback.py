@@ -43,8 +43,15 @@ class BoardReader:
     def clock(self) -> BoardClock:
         """What a picture's time depends on."""
         baud = self._port.baud or self.session.default_baud
-        size, single_buffer = (self.width, self.height), has_feature(self.identity, "single_buffer")
-        return BoardClock(self.identity["clk_frequency_hz"], baud, *size, single_buffer)
+        return BoardClock(
+            self.identity["clk_frequency_hz"],
+            baud,
+            self.width,
+            self.height,
+            has_feature(self.identity, "single_buffer"),
+            has_feature(self.identity, "vertices"),
+            self.identity["fifo_words"],
+        )
 
     def _check_size(self, width: int, height: int) -> None:
         for name, number in (("width", width), ("height", height)):

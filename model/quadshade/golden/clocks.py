@@ -16,6 +16,7 @@ import numpy as np
 from quadshade.contract.arrays import Ints
 from quadshade.contract.formats import Formats
 from quadshade.golden.line_clocks import PLACE, BoardPlace, Line, board_clock, is_done, no_line, pause
+from quadshade.golden.unpacker_clocks import begin
 
 WALK_STAGES = 7
 """Generic ``walk_stages`` of ``rtl/core/edge_walker.vhd``."""
@@ -120,7 +121,7 @@ def _count_clocks(
             ready = not valid_0 and not _walks(stages, head)
         if has_line:
             moves = full or valid_0 or in_chain > 0 or left > 0 or clamped or front or spare or shown
-            moves = moves or shown_spare or bool(behind.any()) or _walks(stages, head)
+            moves = moves or shown_spare or (stages_behind > 0 and bool(behind.any())) or _walks(stages, head)
             busy = moves or beat > 0
             if is_done(line, board, busy):
                 return cycle
@@ -238,7 +239,7 @@ def count_board_clocks(
     formats: Formats,
     line: Line,
     single_buffer: bool = False,
-) -> tuple[int, int]:
+) -> tuple[int, int, int]:
     """
     Clocks that a board takes, which does nothing at first: from a picture's first bit until all is drawn.
 
@@ -252,13 +253,15 @@ def count_board_clocks(
 
     Returns
     -------
-    clocks, clocks_busy : int
-      The second as STATUS counts them.
+    clocks, clocks_busy, most_waiting : int
+      The second as STATUS counts them; words in the FIFO at most.
     """
     words_beat = formats.core.section_beats("edge") - 1
     pipeline = _Pipeline(words_beat, formats.span_depth, 0, formats.shade_stages, int(single_buffer))
     board = np.zeros(1, PLACE)
     board["idle"] = 1
+    begin(line.steps, line.events, board[0])
     clocks = _count_clocks(beats, first_rows, row_pixels, pipeline, line, board[0])
     # The register says a clock later that the board is idle.
-    return int(clocks), int(board["clocks_busy"][0] + 1 - board["idle"][0])
+    busy = int(board["clocks_busy"][0] + 1 - board["idle"][0])
+    return int(clocks), busy, int(board["most_waiting"][0])

@@ -60,6 +60,8 @@ class Packed:
       Most that shorter words add to the error of a colour at any pixel, in grey levels.
     vertices : bool
       The words are for a board with ``vertex_unpacker``; the others cannot read them.
+    sent_vertices : int
+      Primitives that go as vertices.
     """
 
     words: np.ndarray
@@ -67,6 +69,7 @@ class Packed:
     starts: np.ndarray
     added: float
     vertices: bool = False
+    sent_vertices: int = 0
 
 
 @njit(cache=True)

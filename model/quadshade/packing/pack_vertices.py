@@ -252,8 +252,8 @@ def _put_part(primitives: Primitives, rows: np.ndarray, part: Primitives) -> Non
     primitives.words[rows], primitives.bound[rows] = part.words, part.bound
 
 
-def _all_packed(primitives: Primitives, formats: Formats, error: float) -> Packed:
-    """None of them as vertices."""
+def pack_run(primitives: Primitives, formats: Formats, error: float) -> Packed:
+    """As :func:`pack_vertices`, none of them as vertices."""
     plain = pack_primitives(primitives, formats, error)
     return replace(plain, words=as_run(plain.words), vertices=True)
 
@@ -283,10 +283,11 @@ def pack_vertices(
     """
     chosen = choose_vertices(primitives, triangles, formats, error)
     if chosen is None:
-        return _all_packed(primitives, formats, error)
+        return pack_run(primitives, formats, error)
     plain = None
-    if 2 * np.count_nonzero(chosen.sent) < len(primitives):
-        plain = _all_packed(primitives, formats, error)
+    sent = int(np.count_nonzero(chosen.sent))
+    if 2 * sent < len(primitives):
+        plain = pack_run(primitives, formats, error)
     rows, drawn = np.flatnonzero(~chosen.sent), chosen.primitives
     packed, starts, ends = np.zeros(0, np.uint32), np.zeros(1, np.int64), np.zeros(0, np.int64)
     if len(rows):
@@ -301,7 +302,7 @@ def pack_vertices(
     if plain is not None and len(plain.words) <= len(words):
         return plain
     added = (drawn.bound - primitives.bound)[:, : formats.num_channels]
-    return Packed(words, drawn, starts, float(added.max(initial=0.0)), True)
+    return Packed(words, drawn, starts, float(added.max(initial=0.0)), True, sent)
 
 
 def unpack_vertices(words: np.ndarray, formats: Formats) -> np.ndarray:

@@ -21,14 +21,14 @@ from quadshade.adapt import Adapted, ErrorCurve
 from quadshade.adapt.adapted import SHADERS
 from quadshade.adapt.curve import Curve, Picture
 from quadshade.board.fallbacks import sent_triangles
-from quadshade.board.frame_time import BoardClock, PictureClocks
+from quadshade.board.frame_time import BoardClock, PictureClocks, soonest_picture
 from quadshade.choices import ADAPTIVE_SHADINGS, parse_pack_error
 from quadshade.contract.formats import Formats
 from quadshade.contract.triangles import ScreenTriangles
 from quadshade.errors import QuadshadeError
 from quadshade.link.transport import DEFAULT_BAUD
 from quadshade.rendering.levels import phong_picture
-from quadshade.rendering.sent_picture import SentPicture, sent_picture
+from quadshade.rendering.sent_picture import SentPicture
 from quadshade.rendering.settings import RenderSettings, Reports
 from quadshade.rendering.shade import ShownScene, at_level, show_scene
 from quadshade.rendering.shown_triangles import shown_triangles
@@ -105,8 +105,9 @@ class FrameTime:
             matched, formats = triangles, replace(core, stream_width=32)
             if self.board is not None:
                 matched, formats = sent_triangles(triangles, self.board), self.board
-            picture = sent_picture(matched, formats, error, **self._settings.setup.arguments())
-            self._sent = triangles, error, picture, picture.clocks(self.clock)
+            setup = self._settings.setup.arguments()
+            packed, clocks = soonest_picture(matched, formats, self.clock, error, **setup)
+            self._sent = triangles, error, SentPicture(packed, matched.shade, formats), clocks
         return self._sent[2:]
 
     def curve(self, settings: RenderSettings, shown: ShownScene, shading: str, error: float) -> Curve | None:
@@ -206,9 +207,11 @@ class FrameTime:
         first = self._first_in_time(frames, counts)
         for error in self._errors:
             found, square = self._best(compared, references, counts[first:], error)
-            if best is not None and square >= least:
+            if best is None or square < least:
+                best, least = found, square
+            elif not self.clock.takes_vertices:
+                # Vertices hardly get shorter; fields may be the better ones in the end.
                 break
-            best, least = found, square
         if best is None:
             raise self._refusal(counts, frames)
         return best
@@ -322,9 +325,9 @@ class FrameTime:
             pace.error = found.error
         pace.levers = found.levers
         adapted = found.adapted
-        _, clocks = self.sent(adapted.triangles, adapted.formats, found.levers.pack_error)
+        sent, clocks = self.sent(adapted.triangles, adapted.formats, found.levers.pack_error)
         adapted = replace(adapted, line_bytes=clocks.line_bytes)
-        timing = Timing(self.milliseconds, self.clock, clocks, found.levers)
+        timing = Timing(self.milliseconds, self.clock, clocks, found.levers, sent.packed.sent_vertices)
         return replace(found.scene, adapted=adapted), timing
 
     def _choose_anew(self, settings: RenderSettings, shown: ShownScene, pace: Pace) -> Found:

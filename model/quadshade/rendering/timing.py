@@ -57,12 +57,15 @@ class Timing:
     clocks : PictureClocks
       At most, on an undamaged line.
     levers : Levers
+    vertices : int
+      Parts of triangles that go as vertices.
     """
 
     milliseconds: float
     clock: BoardClock
     clocks: PictureClocks
     levers: Levers
+    vertices: int = 0
 
     @property
     def deadline(self) -> int:
@@ -75,7 +78,7 @@ class Timing:
         clocks["line_bytes"] = clocks.pop("clocks_line_bytes")
         board = {"milliseconds": self.milliseconds, "baud": self.clock.baud}
         board |= {"clk_frequency_hz": self.clock.clk_frequency_hz, "deadline": self.deadline}
-        return board | clocks | self.levers._asdict()
+        return board | clocks | self.levers._asdict() | {"vertices": self.vertices}
 
     def note(self) -> str:
         """A labelled line of the summary."""
@@ -83,6 +86,8 @@ class Timing:
         whole, line = self.clocks.whole * share, self.clocks.line * share
         error = self.levers.pack_error
         packed = f"; words packed to {error:g} grey levels" if error > PACK_ERROR else ""
+        if self.vertices:
+            packed += f"; {self.vertices} triangles as vertices"
         return (
             f"\n  time       at most {whole:.2f} of {self.milliseconds:g} ms, the line {line:.2f}, at "
             f"{self.clock.baud} baud and {self.clock.clk_frequency_hz / 1e6:g} MHz{packed}"

@@ -3,52 +3,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import pytest
 
 from quadshade.board import BoardSettings
-from quadshade.board.frame_time import BoardClock, picture_clocks
-from quadshade.packing import pack_primitives
+from quadshade.board.frame_time import BoardClock, picture_clocks, soonest_picture
 from quadshade.scene import fit_camera, load_scene, project
-from quadshade.setup import setup_triangles
 from quadshade.shading.sample import sample
 from scripts.experiments.frame_time.simulated import counted, picture_frames
 
 SMALL = BoardSettings(screen_width=48, screen_height=32)
+FAST = replace(SMALL, with_vertices=1, clk_frequency_hz=100_000_000, baud=2_500_000)
 SCENES = (("sphere:168", "flat"), ("torus:288", "gouraud"), ("sphere:690", "quadratic"))
 """Little and much on the line, and pictures whose clear takes longer than a frame of their words."""
 
 
 @pytest.fixture(scope="module")
 def pictures() -> list:
-    """Triangles and packed words of every scene."""
+    """Triangles of every scene."""
     made = []
     for scene, shading in SCENES:
         mesh = load_scene(scene)
         projected = project(mesh, fit_camera(mesh), 48, 32, SMALL.formats)
-        triangles = sample(projected, shading, formats=SMALL.formats)
-        packed = pack_primitives(setup_triangles(triangles, SMALL.formats), SMALL.formats)
-        made.append((triangles, packed))
+        made.append(sample(projected, shading, formats=SMALL.formats))
     return made
 
 
-def test_the_model_counts_the_clocks_of_the_vhdl(pictures: list) -> None:
-    clock = BoardClock(SMALL.clk_frequency_hz, SMALL.baud, 48, 32)
-    jobs, expected, number = [], [], 0
-    for triangles, packed in pictures:
-        job = partial(picture_frames, packed.words, None, SMALL.formats)
+@pytest.mark.parametrize(
+    ("settings", "as_vertices"), [(SMALL, False), (FAST, True)], ids=["fields", "vertices"]
+)
+def test_the_model_counts_the_clocks_of_the_vhdl(
+    pictures: list, settings: BoardSettings, as_vertices: bool
+) -> None:
+    rate = settings.clk_frequency_hz, settings.baud
+    clock = BoardClock(*rate, 48, 32, takes_vertices=bool(settings.with_vertices))
+    jobs, expected, number, sent = [], [], 0, []
+    for triangles in pictures:
+        packed, bound = soonest_picture(triangles, settings.formats, clock)
+        assert (packed.sent_vertices > len(packed.primitives) / 2) == as_vertices
+        sent.append(packed)
+        job = partial(picture_frames, packed.words, None, settings.formats)
         sizes = [len(frame) for frame in job(number)]
         number += len(sizes)
         jobs.append(job)
-        expected.append(picture_clocks(triangles, SMALL.formats, clock, sizes=sizes))
-        bound = picture_clocks(triangles, SMALL.formats, clock)
+        expected.append(picture_clocks(triangles, settings.formats, clock, sizes=sizes))
         assert expected[-1].whole <= bound.whole <= 1.01 * expected[-1].whole
-    period = max(one.whole for one in expected) // 50 + 60
-    found = counted(SMALL, jobs, period)
-    for (_, packed), times, counters in zip(pictures, expected, found, strict=True):
+    a_byte = 10 * rate[0] // rate[1]
+    period = max(one.whole for one in expected) // a_byte + 60
+    found = counted(settings, jobs, period)
+    for packed, times, counters in zip(sent, expected, found, strict=True):
         assert counters["clocks_busy"] == times.busy
         # Counted at the deadline.
         assert counters["primitives"] == len(packed.primitives)
         assert counters["bad_crc"] == counters["bad_cobs"] == counters["overruns"] == 0
-        assert times.line < times.whole < 50 * period
+        assert times.line < times.whole < a_byte * period
