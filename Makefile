@@ -139,6 +139,10 @@ boardspeed: setup ## triangles a second, line load of the simulated board; docs/
 frametime: setup ## turning scenes in a frame time, in a board's clocks; docs/reports/frame_time.md; goes on
 	@OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV) -m scripts.experiments.frame_time.report
 
+.PHONY: frametime-vertices
+frametime-vertices: setup ## a frame time with vertices and without; docs/reports/frame_time_vertices.md
+	@$(VENV) -m scripts.experiments.frame_time.vertices
+
 .PHONY: turnspeed
 turnspeed: setup ## processor time of a frame of turn and view, beside VTK; docs/reports/turn_speed.md
 	@$(VENV) -m pip install -q --disable-pip-version-check --no-build-isolation -e '.[peer]'
