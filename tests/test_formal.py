@@ -62,8 +62,8 @@ def test_every_stateful_unit_is_proved() -> None:
     tested |= {"answer_sender", "command_executor", "command_decoder"}
     # Compared with its model behind the controller's, whose chip refuses what is wrong.
     tested |= {"sdram_depth_test", "sdram_read_out", "sdram_screen"}
-    # Compared with their models, on packets, nonsense and zeros; in no board yet.
-    tested |= {"vertex_alu", "vertex_unpacker"}
+    # Compared with its model; in the proof of the unpacker, to which most numbers do not matter.
+    tested |= {"vertex_alu"}
     # Compared with their models as a whole.
     tested |= {"render_core", "screen", "plane_requests", "board", "scan_out", "quadshade_axis"}
     assert units - proved == inside | tested

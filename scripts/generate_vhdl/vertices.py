@@ -26,7 +26,7 @@ OPERAND_BITS, COUNT_BITS, MODE_BITS = 16, 6, 2
 PER_LINE = 8
 
 
-def _number(row: source.Instruction, operand: int, count: int) -> int:
+def encoded(row: source.Instruction, operand: int, count: int) -> int:
     """
     An instruction: count lowest, then operand (two's complement), mode, operation, whether the next one
     waits, and whether it is one of ``QUICK``.
@@ -37,7 +37,7 @@ def _number(row: source.Instruction, operand: int, count: int) -> int:
     return (bits | operand % (1 << OPERAND_BITS)) << COUNT_BITS | count
 
 
-def _steps(row: source.Instruction) -> str:
+def steps(row: source.Instruction) -> str:
     """The count as the unit has it: steps of an operation whose operand does not say them; a loop's end."""
     if row.operation in ("muli", "mulf"):
         return f"({row.times}) / 2"
@@ -58,10 +58,10 @@ def package(vhdl_expression: Callable[[str], str]) -> str:
     instructions = source.program().instructions
     fixed, open_ = [], []
     for place, row in enumerate(instructions):
-        texts = (row.operand, _steps(row))
+        texts = (row.operand, steps(row))
         named = any(re.search(r"[a-z]", text) for text in texts)
         numbers = (0, 0) if named else tuple(source.value_of(text, None) for text in texts)
-        fixed.append(str(_number(row, *numbers)))
+        fixed.append(str(encoded(row, *numbers)))
         if named:
             operand, count = (vhdl_expression(text) for text in texts)
             open_.append(
