@@ -194,7 +194,8 @@ def test_a_board_never_has_two_jobs_at_once() -> None:
 
     work = Work(do, lambda _, job: (job, []), "numbers", "try again")
     for _ in range(3):
-        shared = BoardPool([board], print).share(work, [(1.0, job) for job in range(9)])  # type: ignore[list-item, arg-type]
+        pool = BoardPool([board], print)  # type: ignore[list-item]
+        shared = pool.share(work, [(1.0, job) for job in range(9)])  # type: ignore[arg-type]
         next(shared)
         shared.close()
     wait_until_free(board)

@@ -121,7 +121,7 @@ async def unpack(
     echoes: list[int] = []
     quiet, seen, owed, waits = 0, 0, 0, None
     while quiet < QUIET:
-        # The other unpacker: a word in, the same out, later; nothing comes of zeros, but its packet needs some.
+        # The other unpacker: a word in, the same out, later; nothing comes of zeros, but it asks for some.
         room = len(echoes) < 2 and bench.draw.random() < 0.7
         dut.packed_ready.value = int(room)
         dut.unpacked_valid.value = int(bool(echoes))
