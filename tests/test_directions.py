@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PRODUCT = ROOT / "model" / "quadshade"
 
 LAYERS = (
-    {"errors"},
+    {"errors", "stale_loops"},
     {"contract"},
     {"choices", "files"},
     {"cluster", "golden", "image", "link", "scene", "setup"},
@@ -29,7 +29,7 @@ LAYERS = (
 )
 """The parts of the product, bottom-up; a part knows only those of the layers below it, and itself."""
 
-NARROW = {"contract": {"errors"}, "golden": {"contract", "errors"}}
+NARROW = {"contract": {"errors", "stale_loops"}, "golden": {"contract", "errors"}}
 """Parts that know fewer than their layer allows: the golden model is the specification."""
 
 RTL_KNOWS = {

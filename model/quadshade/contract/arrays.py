@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names for the arrays of this package, by what an element is; docstrings give the shapes."""
+"""
+Names for the arrays of this package, by what an element is; docstrings give the shapes.
+
+Every module with compiled loops imports it, so the stale ones among those that are kept go here, before any
+is called.
+"""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TypeAlias, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
+
+from quadshade.stale_loops import drop_stale_loops
+
+drop_stale_loops(Path(__file__).parents[1])
 
 Ints: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float64]
