@@ -85,8 +85,10 @@ class Monitor:
 
     async def cycle(self, may_read: bool = True) -> None:
         """One clock; others have the memory if not `may_read`."""
-        dut, bench = self.bench.dut, self.bench
+        dut, bench, late = self.bench.dut, self.bench, False
         if bench.config.read_stages == 0:
+            # What is late of the last scanline still comes, and is not shown.
+            late = self.row == bench.config.height - 1 and bool(self.coming)
             may_read = may_read and bool(self.coming) and bench.chance(0.9)
             dut.read_value.value = self.coming.pop(0) if may_read else bench.bits(8)
         else:
@@ -96,7 +98,8 @@ class Monitor:
         self.follow()
         bench.check("blank", bool(dut.blank.value), self.blank, self.place)
         if self.blank:
-            bench.check("nothing is read while it is blank", bool(dut.reads.value), False, self.place)
+            read = bool(dut.reads.value) and not late
+            bench.check("nothing is read while it is blank", read, False, self.place)
         line = self.place // self.timing.all_columns % self.timing.all_lines
         self.blank = self.timing.lines <= line < self.timing.all_lines - 1 and not dut.reset.value
         self.place = 0 if dut.reset.value else self.place + int(dut.word_next.value)
@@ -164,14 +167,15 @@ async def whole_frames(dut: Any) -> None:
     bench.finish(at_least=60)
 
 
-@cocotb.test(timeout_time=4, timeout_unit="ms")
+@cocotb.test(timeout_time=12, timeout_unit="ms")
 async def others_read(dut: Any) -> None:
     """A scanline that could not be fetched whole is black; the next frame is right again."""
     bench = Bench(dut, Config, "others_read")
     await bench.start("may_read", "read_value")
     monitor, timing = Monitor(bench), bench.config.timing
     picture = monitor.paint()
-    frames = 4
+    # Of values that come one by one a scanline may be whole too late; of either row of the memory.
+    frames = 4 if bench.config.read_stages else 8
     await monitor.until(frames, 0, chance=0.002)
     await monitor.until(frames + 2, 0)
     right = split(list(frame_words(picture, timing)), timing)
