@@ -4,8 +4,8 @@
 -- the framebuffer as a square of them. A scanline is fetched while the one above it is shown, in a burst of a
 -- clock a pixel; while the framebuffer is read by others nothing is, and that scanline is black. What a swap
 -- of two buffers waits for is said too: the vertical blank, in which nothing is fetched. With read_stages = 0
--- nobody is asked by address: a scanline's values come one by one, and it is black if they come too late, those
--- of the last one even in the vertical blank.
+-- nobody is asked by address: a scanline's values come one by one, and it is black if they come too late,
+-- those of the last one even in the vertical blank.
 --
 -- Model: scan_out.py.  Test: test_scan_out.py.
 -- Latency: a scanline and 7 pixels.  A pixel per clocks_per_pixel cycles.
