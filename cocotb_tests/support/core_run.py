@@ -113,6 +113,7 @@ class Run:
         bench = self.bench
         bench.check("beats accepted", len(self.source.accepted_at), len(self.beats))
         bench.check("number of pixels", len(self.sink.words), len(self.expected))
+        bench.check("setup_cut without setup_last", int(bench.dut.setup_cut.value), 0)
         self.cover()
 
     def cover(self) -> None:
