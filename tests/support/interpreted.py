@@ -68,13 +68,16 @@ def compute(folder: Path) -> None:
     from quadshade.adapt.cho import highlight_subdivision
     from quadshade.adapt.highlight import highlight_centres
     from quadshade.contract.formats import Formats
+    from quadshade.golden.unpacker_clocks import unpacking_clocks, unpacking_of
     from quadshade.image.compare import largest_and_rms
+    from quadshade.packing.pack_vertices import pack_vertices
     from quadshade.scene import load_scene, parse_camera, project
     from quadshade.setup.literature.kernels import METHODS, coefficients
     from quadshade.setup.literature.methods import FITS, fit
     from quadshade.setup.tile import Cuttable, Rectangle
     from quadshade.setup.triangle_setup import setup_triangles
     from quadshade.shading.lights import PointLight
+    from quadshade.shading.sample import sample
     from tests.support.setup_reference import screen_triangles
 
     mesh = load_scene("icosphere:1")
@@ -99,6 +102,16 @@ def compute(folder: Path) -> None:
         for where_cut in (Rectangle(3, 2, 5, 6), Rectangle(0, 0, 12, 10)):
             terms[f"{name}{where_cut.width}"] = whole.to(where_cut).words
         terms[f"{name}_shared"] = whole.interleaved(2, 1, 12, 10).words
+    # Triangles as vertices, and in a run between them others that are never sent so.
+    formats = Formats()
+    cube = load_scene("cube:1")
+    sampled = sample(
+        project(cube, parse_camera("from=1,2,3", cube), 20, 14, formats), "quadratic", formats=formats
+    )
+    primitives = setup_triangles(sampled, formats)
+    primitives.undefined[1:3] = True
+    packed = pack_vertices(primitives, sampled, formats)
+    terms["unpacking"] = np.array(unpacking_clocks(unpacking_of(packed.words, formats, packed.vertices)))
     terms["compared"] = np.array(largest_and_rms(*numbers.integers(0, 256, (2, 9, 11, 3), np.uint8)))
     np.savez(folder / COMPUTED, vertices=divided.vertices, where=where, what=what, **terms)
 
