@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import quadshade
-from quadshade.board import Board, BoardSettings
+from quadshade.board import Board, BoardSettings, pool
 from quadshade.board.pool import BoardPool, Work, wait_until_free
 from quadshade.choices import parse_ports
 from quadshade.contract.formats import Formats
@@ -76,6 +76,8 @@ def test_a_board_that_is_left_out_is_not_named(monkeypatch: pytest.MonkeyPatch) 
         return real(port, number, *rest)
 
     monkeypatch.setattr(open_board, "_open", some_answer)
+    # However slow this machine is, no board is late.
+    monkeypatch.setattr(pool, "LATE_SECONDS", 1e6)
     settings = {"port": "sim:3", "engine": "model", "size": (24, 20), "reports": Reports(told.append)}
     for numbers, left in (((), 3), ((1,), 2), ((0, 2), 1)):
         silent = numbers

@@ -10,10 +10,9 @@ import pytest
 from quadshade.contract.formats import Formats
 from quadshade.contract.vertex_program import IMMEDIATE, INDEXED, program
 from quadshade.errors import QuadshadeError
-from quadshade.golden.link.vertex_unpacker import VertexUnpacker
 from scripts import formal, vertex_ranks, vertex_ways
 from scripts.vertex_ways import START, Code
-from tests.support.vertex_stimuli import as_words, most_clocks
+from tests.support.vertex_stimuli import most_clocks
 from tests.test_vertices import FORMATS
 
 
@@ -31,18 +30,6 @@ def test_pages_quote_the_bounds() -> None:
         assert f"{vertex_ranks.table(formats).bound:,}" in page
     reference = (formal.ROOT / "docs" / "reference" / "vertices.md").read_text()
     assert f"{vertex_ranks.table(Formats()).bound:,}" in reference
-
-
-def test_long_packet_stays_below_the_bound() -> None:
-    """Long residuals everywhere, three new corners and middles."""
-    formats = FORMATS[0]
-    corner, middle = [1, 0, *([*[1] * 15, *[0, 1] * 12] * 6)], [1, *([*[1] * 15, *[0, 1] * 12] * 3)]
-    model = VertexUnpacker(formats)
-    model.feed(as_words([1, 1, 0, *([0, 0, 0, 0, 1] * 6)]))
-    before, bound = model.clocks, vertex_ranks.table(formats).bound
-    body = [1, 0, *([1] * 30), 1, 1, 1, *corner, *corner, *middle, *corner, *middle, *middle]
-    assert len(list(model.packets(as_words(body)))) == 1
-    assert bound / 2 < model.clocks - before <= bound
 
 
 @pytest.mark.parametrize(

@@ -203,15 +203,18 @@ async def bytes_come_before_their_ready(dut: Any) -> None:
 
 
 @cocotb.test(timeout_time=4, timeout_unit="ms")
-@cocotb.parametrize(speed=list(SPEEDS))
-async def resets(dut: Any, speed: str) -> None:
+@cocotb.parametrize(source=list(SPEEDS), sink=list(SPEEDS))
+async def resets(dut: Any, source: str, sink: str) -> None:
     """Amid either reading, and amid an answer: the next answer is whole, and its own."""
-    bench = await start(dut, f"resets {speed}")
+    bench = await start(dut, f"resets {source} {sink}")
+    # Every pair of speeds by default, the equal ones in each configuration.
+    if source != sink and not bench.default:
+        return
 
     async def work() -> None:
-        link = Link(bench, speed, speed)
+        link = Link(bench, source, sink)
         for plane in list(link.sizes)[:2]:
-            await link.read(link.bytes_of(plane, 20), plane)
+            await link.read(link.bytes_of(plane, 30), plane)
         await link.read(bytes(12), 0)
 
     events = (

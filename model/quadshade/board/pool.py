@@ -95,11 +95,11 @@ class BoardPool:
         desk = _Desk(work, jobs)
         for board in self.boards:
             before = _servers.get(board)
-            thread = threading.Thread(target=desk.serve, args=(board, before), name="board", daemon=True)
             # A frame's thread shares its tiles with its own board, and goes on with it.
-            if before is threading.current_thread():
-                thread = threading.Thread(target=desk.serve, args=(board,), name="board", daemon=True)
-            else:
+            is_its_own = before is threading.current_thread()
+            arguments = (board, None if is_its_own else before)
+            thread = threading.Thread(target=desk.serve, args=arguments, name="board", daemon=True)
+            if not is_its_own:
                 _servers[board] = thread
             thread.start()
         try:
